@@ -1,0 +1,41 @@
+// The pinhole camera model and poses, shared by everything on the host.
+#pragma once
+#include <Eigen/Geometry>
+#include <string>
+
+namespace rosefusion {
+
+/// Rigid transform; as a camera pose it is world_from_camera (camera: x right, y down, z forward), metres.
+using Pose = Eigen::Isometry3d;
+
+/// Pinhole intrinsics in pixels; pixel centres have integer coordinates. fy is negative for ICL-NUIM.
+struct Intrinsics {
+  int width = 0;
+  int height = 0;
+  double fx = 0;
+  double fy = 0;
+  double cx = 0;
+  double cy = 0;
+
+  /// Point in the camera frame (metres) seen at pixel (u, v) at depth z along the optical axis.
+  Eigen::Vector3d unproject(double u, double v, double z) const {
+    return {(u - cx) / fx * z, (v - cy) / fy * z, z};
+  }
+  /// Pixel coordinates of a camera-frame point with z > 0.
+  Eigen::Vector2d project(const Eigen::Vector3d& p) const {
+    return {fx * p.x() / p.z() + cx, fy * p.y() / p.z() + cy};
+  }
+  bool operator==(const Intrinsics&) const = default;
+};
+
+/// Throws InputError, naming `source` (the file or setting they came from), for zero, non-finite or absurd values:
+/// focal lengths outside 0.1 to 10 image widths, or a principal point outside the image.
+void requirePlausible(const Intrinsics& intrinsics, const std::string& source);
+
+/// Rotation angle of a rigid transform, radians in [0, pi].
+double rotationAngle(const Pose& pose);
+
+/// Unit quaternion with w >= 0, so that the imaginary part alone describes the rotation.
+Eigen::Quaterniond canonical(const Eigen::Quaterniond& q);
+
+}  // namespace rosefusion
