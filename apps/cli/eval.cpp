@@ -1,0 +1,7 @@
+#include "apps/cli/commands.h"
+
+namespace rosefusion::cli {
+
+void addEvalCommand(CLI::App&) {}
+
+}  // namespace rosefusion::cli

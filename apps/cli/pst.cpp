@@ -1,0 +1,7 @@
+#include "apps/cli/commands.h"
+
+namespace rosefusion::cli {
+
+void addPstCommand(CLI::App&) {}
+
+}  // namespace rosefusion::cli

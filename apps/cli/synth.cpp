@@ -1,0 +1,7 @@
+#include "apps/cli/commands.h"
+
+namespace rosefusion::cli {
+
+void addSynthCommand(CLI::App&) {}
+
+}  // namespace rosefusion::cli
