@@ -1,0 +1,60 @@
+#include "engine/buffer.h"
+
+#include <algorithm>
+
+#include "engine/buffer_impl.h"
+#include "engine/error.h"
+
+namespace rosefusion {
+namespace {
+
+using Property = vk::MemoryPropertyFlagBits;
+
+/// First memory type that has all of `wanted`, else of `needed`; -1 when there is none.
+int memoryType(const vk::PhysicalDeviceMemoryProperties& memory, std::uint32_t allowed, vk::MemoryPropertyFlags needed,
+               vk::MemoryPropertyFlags wanted) {
+  for (const auto flags : {needed | wanted, needed})
+    for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i)
+      if ((allowed >> i & 1u) && (memory.memoryTypes[i].propertyFlags & flags) == flags) return static_cast<int>(i);
+  return -1;
+}
+
+}  // namespace
+
+Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Impl) {
+  Device::Impl& device = owner.impl();
+  bytes = std::max<std::uint64_t>(16, (bytes + 3) / 4 * 4);
+  try {
+    using Usage = vk::BufferUsageFlagBits;
+    impl_->buffer = {device.device,
+                     vk::BufferCreateInfo({}, bytes, Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst)};
+    const auto requirements = impl_->buffer.getMemoryRequirements();
+    const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
+    const int type = memory == Memory::Device ? memoryType(device.memory, requirements.memoryTypeBits, {}, Property::eDeviceLocal)
+                     : memory == Memory::Upload ? memoryType(device.memory, requirements.memoryTypeBits, host, {})
+                                                : memoryType(device.memory, requirements.memoryTypeBits, host, Property::eHostCached);
+    if (type < 0) throw DeviceError(DeviceErrorCode::MissingLimit, device.info.name + " has no memory type for buffers.");
+    impl_->memory = {device.device, vk::MemoryAllocateInfo(requirements.size, static_cast<std::uint32_t>(type))};
+    impl_->buffer.bindMemory(*impl_->memory, 0);
+    if (memory != Memory::Device) impl_->mapped = impl_->memory.mapMemory(0, bytes);
+  } catch (const vk::SystemError& error) {
+    throwDeviceError(error, "allocating " + std::to_string(bytes >> 20) + " MiB");
+  }
+  impl_->bytes = bytes;
+  impl_->device = &device;
+  device.allocated_bytes += bytes;
+}
+
+Buffer::Buffer() = default;
+Buffer::~Buffer() = default;
+Buffer::Buffer(Buffer&&) noexcept = default;
+Buffer& Buffer::operator=(Buffer&&) noexcept = default;
+
+std::uint64_t Buffer::bytes() const { return impl_ ? impl_->bytes : 0; }
+
+void* Buffer::mapped() const {
+  if (!impl_ || !impl_->mapped) throw DeviceError(DeviceErrorCode::Programming, "This buffer is not mapped.");
+  return impl_->mapped;
+}
+
+}  // namespace rosefusion

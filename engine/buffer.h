@@ -1,0 +1,45 @@
+// A storage buffer with its memory.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "engine/device.h"
+
+namespace rosefusion {
+
+enum class Memory {
+  Device,    ///< fast for shaders; not mapped
+  Upload,    ///< mapped and coherent; the host writes, shaders read
+  Readback,  ///< mapped and coherent, cached where possible; shaders write, the host reads
+};
+
+/// Owning and movable; must not outlive its Device. Contents are undefined at first.
+class Buffer {
+ public:
+  Buffer();
+  /// `bytes` is rounded up to a multiple of 4, at least 16. Throws DeviceError (OutOfMemory).
+  Buffer(Device& device, std::uint64_t bytes, Memory memory);
+  ~Buffer();
+  Buffer(Buffer&&) noexcept;
+  Buffer& operator=(Buffer&&) noexcept;
+
+  std::uint64_t bytes() const;
+  explicit operator bool() const { return impl_ != nullptr; }
+
+  /// The mapped contents as an array of T. Throws DeviceError (Programming) for Memory::Device.
+  template <typename T>
+  std::span<T> as() const {
+    return {static_cast<T*>(mapped()), bytes() / sizeof(T)};
+  }
+
+  struct Impl;
+  Impl& impl() const { return *impl_; }
+
+ private:
+  void* mapped() const;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,19 @@
+// The Buffer's insides; included by engine/*.cpp only.
+#pragma once
+#include "engine/buffer.h"
+#include "engine/vulkan.h"
+
+namespace rosefusion {
+
+struct Buffer::Impl {
+  Device::Impl* device = nullptr;
+  std::uint64_t bytes = 0;
+  vk::raii::DeviceMemory memory = nullptr;  // before the buffer, which is destroyed first
+  vk::raii::Buffer buffer = nullptr;
+  void* mapped = nullptr;
+  ~Impl() {
+    if (device) device->allocated_bytes -= bytes;
+  }
+};
+
+}  // namespace rosefusion

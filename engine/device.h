@@ -1,0 +1,66 @@
+// A Vulkan device: its choice, its limits, its memory account.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace rosefusion {
+
+enum class DeviceType { Discrete, Integrated, Virtual, Cpu, Other };
+const char* toString(DeviceType type);
+
+struct DeviceLimits {
+  std::uint64_t max_storage_buffer_bytes = 0;  ///< largest range one binding may cover
+  std::uint32_t max_storage_buffers = 0;       ///< per compute stage
+  std::uint32_t max_workgroup_invocations = 0;
+  std::uint32_t max_workgroup_count_x = 0;
+  std::uint32_t max_push_constant_bytes = 0;
+  std::uint32_t max_shared_memory_bytes = 0;
+  std::uint32_t subgroup_size = 0;  ///< reported only; no pass depends on it
+  std::uint64_t memory_bytes = 0;   ///< largest device-local heap
+};
+
+struct DeviceInfo {
+  int index = 0;  ///< position in the loader's list; usable as DeviceOptions::select
+  std::string name;
+  std::string driver;
+  std::string api_version;
+  DeviceType type = DeviceType::Other;
+  DeviceLimits limits;
+  std::string rejected_because;  ///< empty when rosefusion can run on it
+};
+
+/// All devices the loader knows, the unusable ones with the reason. Throws DeviceError (NoDriver) without a loader.
+std::vector<DeviceInfo> listDevices();
+
+struct DeviceOptions {
+  /// Index, part of the name (any case), or type (discrete, integrated, virtual, cpu). Empty: $ROSEFUSION_DEVICE if
+  /// set, else the best type present, a hardware GPU before the CPU.
+  std::string select;
+  bool validation = false;  ///< load VK_LAYER_KHRONOS_validation; its absence is a DeviceError
+};
+
+/// An instance, a logical device and one compute queue. Owning and movable; several may live in one process. Calls on
+/// one Device (and on whatever was made from it) must come from one thread at a time; two Devices are independent.
+class Device {
+ public:
+  explicit Device(const DeviceOptions& options = {});
+  ~Device();
+  Device(Device&&) noexcept;
+  Device& operator=(Device&&) noexcept;
+
+  const DeviceInfo& info() const;
+  /// Bytes of device memory held by this Device's buffers now.
+  std::uint64_t allocatedBytes() const;
+  /// What the validation layer said so far (warnings and errors); tests fail when it is not empty.
+  const std::vector<std::string>& validationMessages() const;
+
+  struct Impl;
+  Impl& impl() const { return *impl_; }
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rosefusion

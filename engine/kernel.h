@@ -1,0 +1,34 @@
+// A compute pipeline, checked against its SPIR-V when it is made.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "engine/device.h"
+#include "engine/shader_code.h"
+
+namespace rosefusion {
+
+/// Owning and movable; must not outlive its Device.
+class Kernel {
+ public:
+  Kernel();
+  /// `bindings`: storage buffers 0 .. bindings-1 of set 0. `constants`: values of specialisation constants 0, 1, ...
+  /// Throws DeviceError (Programming) when bindings or push size are not what the shader declares, and
+  /// (MissingLimit) when the workgroup is larger than the device runs.
+  Kernel(Device& device, const ShaderCode& code, std::uint32_t bindings, std::uint32_t push_bytes,
+         const std::vector<std::uint32_t>& constants = {});
+  ~Kernel();
+  Kernel(Kernel&&) noexcept;
+  Kernel& operator=(Kernel&&) noexcept;
+  explicit operator bool() const { return impl_ != nullptr; }
+
+  struct Impl;
+  Impl& impl() const { return *impl_; }
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,20 @@
+// The Kernel's insides; included by engine/*.cpp only.
+#pragma once
+#include <string>
+
+#include "engine/kernel.h"
+#include "engine/vulkan.h"
+
+namespace rosefusion {
+
+struct Kernel::Impl {
+  std::string name;
+  std::uint32_t bindings = 0;
+  std::uint32_t push_bytes = 0;
+  std::array<std::uint32_t, 3> workgroup{1, 1, 1};
+  vk::raii::DescriptorSetLayout set_layout = nullptr;
+  vk::raii::PipelineLayout pipeline_layout = nullptr;
+  vk::raii::Pipeline pipeline = nullptr;
+};
+
+}  // namespace rosefusion

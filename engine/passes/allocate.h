@@ -1,0 +1,25 @@
+// Pass allocate: gives the volume the blocks that a depth image's surface needs.
+#pragma once
+#include "engine/passes/preprocess.h"
+#include "engine/volume.h"
+#include "shaders/compute/interface/allocate.h"
+
+namespace rosefusion {
+
+class AllocatePass {
+ public:
+  explicit AllocatePass(Device& device);
+
+  /// Marks and lists absent blocks around the surface. Follow it with a submit and then finish().
+  void record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame, const shader::CameraIntrinsics& camera,
+              const glm::mat4& world_from_camera);
+  /// Hands the listed blocks to the volume. True when the table had to grow or the list was full: record and submit
+  /// again. Throws DeviceError (OutOfMemory) and leaves the volume usable.
+  bool finish(Volume& volume);
+
+ private:
+  Kernel kernel_;
+  Buffer requests_;
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,45 @@
+// Passes fitness and fitness_reduce: the mean loss of every particle of a swarm template.
+#pragma once
+#include <map>
+#include <span>
+#include <tuple>
+
+#include "engine/passes/select_points.h"
+#include "engine/volume.h"
+#include "shaders/compute/interface/fitness.h"
+#include "shaders/compute/interface/fitness_reduce.h"
+
+namespace rosefusion {
+
+enum class Loss : std::uint32_t { Squared = shader::kLossSquared, Absolute = shader::kLossAbsolute };
+
+/// The swarm of one iteration: `particles` template entries from `first_particle` on, scaled by the axis lengths
+/// (x, y, z in metres; qx, qy, qz) and applied to the centre.
+struct SwarmPlacement {
+  glm::mat4 world_from_camera{1};
+  glm::vec4 translation_lengths{0};
+  glm::vec4 rotation_lengths{0};
+  std::uint32_t first_particle = 0;
+  std::uint32_t particles = 0;
+};
+
+class FitnessPass {
+ public:
+  /// `templates`: two vec4 per particle, (x, y, z, 0) and (qx, qy, qz, 0), all templates one after the other.
+  FitnessPass(Device& device, std::span<const glm::vec4> templates, Loss loss, bool compensate = true);
+
+  void record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points, const SwarmPlacement& swarm);
+  /// After the submit: mean loss per particle in [0, 1], negative when no point was selected.
+  std::span<const float> losses() const { return loss_buffer_.as<float>().first(particles_); }
+
+ private:
+  Device& device_;
+  Loss loss_;
+  bool compensate_;
+  std::map<std::uint32_t, Kernel> kernels_;  ///< by number of pool chunks
+  Kernel reduce_;
+  Buffer templates_, partial_, loss_buffer_;
+  std::uint32_t particles_ = 0;
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,35 @@
+#include "engine/passes/integrate.h"
+
+#include <cstring>
+
+namespace rosefusion {
+
+using namespace shader;
+
+IntegratePass::IntegratePass(Device& device) : device_(device) {}
+
+void IntegratePass::record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame, const CameraIntrinsics& camera,
+                           const glm::mat4& camera_from_world, float far) {
+  volume.visibleBlocks(camera_from_world, camera.focal_centre, camera.size, far, slots_);
+  if (slots_.empty()) return;
+  const std::uint64_t bytes = 4 * slots_.size();
+  if (visible_.bytes() < bytes) visible_ = Buffer(device_, bytes * 3 / 2, Memory::Upload);
+  std::memcpy(visible_.as<char>().data(), slots_.data(), bytes);
+
+  Kernel& kernel = kernels_[volume.chunks()];
+  if (!kernel)
+    kernel = Kernel(device_, shaderCode("integrate"), kIntegrateBindings, sizeof(IntegrateParams), {volume.chunks()});
+  const bool colour = volume.options().colour && frame.hasColour();
+  const IntegrateParams params{camera_from_world, camera.focal_centre,
+                               glm::ivec4(camera.size.x, camera.size.y, static_cast<int>(slots_.size()), colour)};
+  const Buffer* buffers[kIntegrateBindings] = {&volume.layoutBuffer(), &volume.blockBuffer(), &visible_, &frame.depth(),
+                                               &frame.colour()};
+  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
+    buffers[kIntegrateBindTsdf + chunk] = &volume.tsdf(chunk);
+    buffers[kIntegrateBindWeight + chunk] = &volume.weight(chunk);
+    buffers[kIntegrateBindColour + chunk] = &volume.colour(chunk);
+  }
+  recorder.dispatchGroups(kernel, buffers, &params, sizeof(params), static_cast<std::uint32_t>(slots_.size()));
+}
+
+}  // namespace rosefusion

@@ -1,0 +1,27 @@
+// Pass integrate: fuses the current depth image into the volume.
+#pragma once
+#include <map>
+
+#include "engine/passes/preprocess.h"
+#include "engine/volume.h"
+#include "shaders/compute/interface/integrate.h"
+
+namespace rosefusion {
+
+class IntegratePass {
+ public:
+  explicit IntegratePass(Device& device);
+
+  /// Updates all allocated blocks that the camera can see up to `far` metres. The blocks around the surface must have
+  /// been allocated before (AllocatePass).
+  void record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame, const shader::CameraIntrinsics& camera,
+              const glm::mat4& camera_from_world, float far);
+
+ private:
+  Device& device_;
+  std::map<std::uint32_t, Kernel> kernels_;  ///< by number of pool chunks
+  std::vector<std::uint32_t> slots_;
+  Buffer visible_;
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,36 @@
+// Pass preprocess: depth images onto the device, in metres and as points.
+#pragma once
+#include <cstdint>
+#include <span>
+
+#include "engine/recorder.h"
+#include "shaders/compute/interface/camera.h"
+#include "shaders/compute/interface/preprocess.h"
+
+namespace rosefusion {
+
+/// One image size for life. Holds the current frame's depth, points and colour for the passes that follow.
+class PreprocessPass {
+ public:
+  PreprocessPass(Device& device, const shader::CameraIntrinsics& camera);
+
+  /// `raw`: width x height 16-bit depths, row by row; metres = value * metres_per_unit.
+  void record(Recorder& recorder, std::span<const std::uint16_t> raw, float metres_per_unit, float min_depth, float max_depth);
+  /// `rgb`: one word 0x00BBGGRR per pixel (red in the low byte). Copies at once: call between submits.
+  void setColour(std::span<const std::uint32_t> rgb);
+
+  const Buffer& depth() const { return depth_; }    ///< float metres per pixel, 0 = invalid
+  const Buffer& points() const { return points_; }  ///< vec4 per pixel, camera frame, w = 1 where valid
+  const Buffer& colour() const { return colour_; }
+  bool hasColour() const { return has_colour_; }
+  void clearColour() { has_colour_ = false; }
+
+ private:
+  Device& device_;
+  shader::CameraIntrinsics camera_;
+  Kernel kernel_;
+  Buffer raw_, depth_, points_, colour_;
+  bool has_colour_ = false;
+};
+
+}  // namespace rosefusion

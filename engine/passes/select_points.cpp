@@ -1,0 +1,27 @@
+#include "engine/passes/select_points.h"
+
+namespace rosefusion {
+
+using namespace shader;
+
+SelectPointsPass::SelectPointsPass(Device& device, const CameraIntrinsics& camera)
+    : device_(device),
+      camera_(camera),
+      kernel_(device, shaderCode("select_points"), 3, sizeof(SelectParams)),
+      count_(device, 8, Memory::Readback) {}
+
+void SelectPointsPass::record(Recorder& recorder, const PreprocessPass& frame, const PixelGrid& grid,
+                              const glm::mat4* previous_from_current) {
+  const int columns = (camera_.size.x - grid.offset_x + grid.stride - 1) / grid.stride;
+  const int rows = (camera_.size.y - grid.offset_y + grid.stride - 1) / grid.stride;
+  const std::uint64_t bytes = 16ull * columns * rows;
+  if (selected_.bytes() < bytes) selected_ = Buffer(device_, bytes, Memory::Device);
+  SelectParams params{};
+  params.previous_from_current = previous_from_current ? *previous_from_current : glm::mat4(1);
+  params.focal_centre = camera_.focal_centre;
+  params.size = glm::ivec4(camera_.size.x, camera_.size.y, grid.stride, previous_from_current != nullptr);
+  params.grid = glm::ivec4(grid.offset_x, grid.offset_y, columns, rows);
+  recorder.dispatch(kernel_, {&frame.points(), &selected_, &count_}, params, {kSelectGroup});
+}
+
+}  // namespace rosefusion

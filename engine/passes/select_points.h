@@ -1,0 +1,36 @@
+// Pass select_points: the overlap set on a subsampling grid.
+#pragma once
+#include "engine/passes/preprocess.h"
+#include "shaders/compute/interface/select_points.h"
+
+namespace rosefusion {
+
+/// Which pixels to look at: every stride-th, from (offset_x, offset_y) on.
+struct PixelGrid {
+  int stride = 8;
+  int offset_x = 0;
+  int offset_y = 0;
+};
+
+/// Holds the selected points on the device until the next record().
+class SelectPointsPass {
+ public:
+  SelectPointsPass(Device& device, const shader::CameraIntrinsics& camera);
+
+  /// `previous_from_current` null: every valid pixel counts, not only those in the overlap with the last frame.
+  void record(Recorder& recorder, const PreprocessPass& frame, const PixelGrid& grid, const glm::mat4* previous_from_current);
+
+  const Buffer& points() const { return selected_; }  ///< vec4 camera-frame points
+  const Buffer& count() const { return count_; }
+  /// After the submit: points selected, and valid pixels of the grid.
+  std::uint32_t selected() const { return count_.as<std::uint32_t>()[0]; }
+  std::uint32_t valid() const { return count_.as<std::uint32_t>()[1]; }
+
+ private:
+  Device& device_;
+  shader::CameraIntrinsics camera_;
+  Kernel kernel_;
+  Buffer selected_, count_;
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,129 @@
+#include "engine/recorder.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "engine/buffer_impl.h"
+#include "engine/error.h"
+#include "engine/kernel_impl.h"
+
+namespace rosefusion {
+namespace {
+constexpr std::uint32_t kSetsPerSubmit = 256;
+constexpr std::uint32_t kDescriptorsPerSubmit = kSetsPerSubmit * 20;
+}  // namespace
+
+struct Recorder::Impl {
+  Device::Impl& device;
+  vk::raii::CommandBuffer commands = nullptr;
+  vk::raii::DescriptorPool pool = nullptr;
+  vk::raii::Fence fence = nullptr;
+  std::vector<vk::DescriptorSet> sets;  // freed with the pool's reset
+  bool recording = false;
+
+  void begin() {
+    if (recording) return;
+    commands.begin(vk::CommandBufferBeginInfo(vk::CommandBufferUsageFlagBits::eOneTimeSubmit));
+    recording = true;
+  }
+  void barrier() {
+    using Stage = vk::PipelineStageFlagBits;
+    using Access = vk::AccessFlagBits;
+    const vk::MemoryBarrier all(Access::eShaderWrite | Access::eTransferWrite,
+                                Access::eShaderRead | Access::eShaderWrite | Access::eTransferRead | Access::eTransferWrite |
+                                    Access::eHostRead);
+    commands.pipelineBarrier(Stage::eComputeShader | Stage::eTransfer,
+                             Stage::eComputeShader | Stage::eTransfer | Stage::eHost, {}, all, {}, {});
+  }
+  void bind(const Kernel::Impl& kernel, std::span<const Buffer* const> buffers, const void* push, std::uint32_t push_bytes) {
+    if (buffers.size() != kernel.bindings || push_bytes != kernel.push_bytes)
+      throw DeviceError(DeviceErrorCode::Programming, "Kernel " + kernel.name + " was given " + std::to_string(buffers.size()) +
+                                                          " buffers and " + std::to_string(push_bytes) + " B of constants.");
+    begin();
+    const vk::DescriptorSetLayout layout = *kernel.set_layout;
+    // Allocated unowned: the pool is reset as a whole after each submit.
+    const vk::DescriptorSet set =
+        (*device.device).allocateDescriptorSets(vk::DescriptorSetAllocateInfo(*pool, layout), *device.device.getDispatcher())[0];
+    std::vector<vk::DescriptorBufferInfo> infos;
+    infos.reserve(buffers.size());
+    for (const Buffer* buffer : buffers) infos.emplace_back(*buffer->impl().buffer, 0, VK_WHOLE_SIZE);
+    std::vector<vk::WriteDescriptorSet> writes;
+    for (std::uint32_t i = 0; i < infos.size(); ++i)
+      writes.emplace_back(set, i, 0, 1, vk::DescriptorType::eStorageBuffer, nullptr, &infos[i]);
+    device.device.updateDescriptorSets(writes, {});
+    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *kernel.pipeline);
+    commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *kernel.pipeline_layout, 0, set, {});
+    if (push_bytes > 0)
+      commands.pushConstants<std::uint8_t>(*kernel.pipeline_layout, vk::ShaderStageFlagBits::eCompute, 0,
+                                           {push_bytes, static_cast<const std::uint8_t*>(push)});
+  }
+};
+
+Recorder::Recorder(Device& owner) : impl_(new Impl{owner.impl()}) {
+  Device::Impl& device = impl_->device;
+  try {
+    impl_->commands = std::move(
+        vk::raii::CommandBuffers(device.device, {*device.command_pool, vk::CommandBufferLevel::ePrimary, 1}).front());
+    const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, kDescriptorsPerSubmit);
+    impl_->pool = {device.device, vk::DescriptorPoolCreateInfo({}, kSetsPerSubmit, size)};
+    impl_->fence = {device.device, vk::FenceCreateInfo()};
+  } catch (const vk::SystemError& error) {
+    throwDeviceError(error, "making a command buffer");
+  }
+}
+Recorder::~Recorder() = default;
+Recorder::Recorder(Recorder&&) noexcept = default;
+Recorder& Recorder::operator=(Recorder&&) noexcept = default;
+
+void Recorder::dispatchBytes(const Kernel& kernel, std::span<const Buffer* const> buffers, const void* push,
+                             std::uint32_t push_bytes, Threads threads) {
+  impl_->bind(kernel.impl(), buffers, push, push_bytes);
+  const auto& group = kernel.impl().workgroup;
+  impl_->commands.dispatch((threads.x + group[0] - 1) / group[0], (threads.y + group[1] - 1) / group[1],
+                           (threads.z + group[2] - 1) / group[2]);
+  impl_->barrier();
+}
+
+void Recorder::dispatchGroups(const Kernel& kernel, std::span<const Buffer* const> buffers, const void* push,
+                              std::uint32_t push_bytes, std::uint32_t groups) {
+  if (groups == 0) return;
+  impl_->bind(kernel.impl(), buffers, push, push_bytes);
+  const std::uint32_t widest = std::min(32768u, impl_->device.info.limits.max_workgroup_count_x);
+  const std::uint32_t rows = (groups + widest - 1) / widest;
+  impl_->commands.dispatch(std::min(groups, widest), rows, 1);
+  impl_->barrier();
+}
+
+void Recorder::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, std::uint64_t from_offset, std::uint64_t to_offset) {
+  if (bytes == 0) return;
+  impl_->begin();
+  impl_->commands.copyBuffer(*from.impl().buffer, *to.impl().buffer, vk::BufferCopy(from_offset, to_offset, bytes));
+  impl_->barrier();
+}
+
+void Recorder::fill(const Buffer& buffer, std::uint32_t word, std::uint64_t offset, std::uint64_t bytes) {
+  if (bytes == 0) return;
+  impl_->begin();
+  impl_->commands.fillBuffer(*buffer.impl().buffer, offset, bytes, word);
+  impl_->barrier();
+}
+
+void Recorder::submit() {
+  if (!impl_->recording) return;
+  Device::Impl& device = impl_->device;
+  try {
+    impl_->commands.end();
+    impl_->recording = false;
+    const vk::CommandBuffer commands = *impl_->commands;
+    device.queue.submit(vk::SubmitInfo({}, {}, commands), *impl_->fence);
+    const auto result = device.device.waitForFences(*impl_->fence, true, std::numeric_limits<std::uint64_t>::max());
+    if (result != vk::Result::eSuccess)
+      throw DeviceError(DeviceErrorCode::DeviceLost, device.info.name + " did not finish its work.");
+    device.device.resetFences(*impl_->fence);
+    impl_->pool.reset();
+  } catch (const vk::SystemError& error) {
+    throwDeviceError(error, "running compute work");
+  }
+}
+
+}  // namespace rosefusion

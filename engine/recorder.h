@@ -1,0 +1,52 @@
+// Records kernels and copies into a command buffer, and runs them.
+#pragma once
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <span>
+
+#include "engine/buffer.h"
+#include "engine/kernel.h"
+
+namespace rosefusion {
+
+/// Numbers of invocations (not workgroups); rounded up to whole workgroups, so shaders check their range.
+struct Threads {
+  std::uint32_t x = 1;
+  std::uint32_t y = 1;
+  std::uint32_t z = 1;
+};
+
+/// Commands run in order, each seeing all that the ones before wrote. Nothing runs before submit(). Movable; one thread.
+class Recorder {
+ public:
+  explicit Recorder(Device& device);
+  ~Recorder();
+  Recorder(Recorder&&) noexcept;
+  Recorder& operator=(Recorder&&) noexcept;
+
+  /// `buffers[i]` is storage binding i. Throws DeviceError (Programming) for a wrong number of buffers or push size.
+  template <typename Params>
+  void dispatch(const Kernel& kernel, std::initializer_list<const Buffer*> buffers, const Params& params, Threads threads) {
+    dispatchBytes(kernel, {buffers.begin(), buffers.size()}, &params, sizeof(Params), threads);
+  }
+  void dispatchBytes(const Kernel& kernel, std::span<const Buffer* const> buffers, const void* push, std::uint32_t push_bytes,
+                     Threads threads);
+  /// The same with `groups` workgroups laid out on x and y, for kernels with one workgroup per item: the item is
+  /// gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, and may exceed groups - 1.
+  void dispatchGroups(const Kernel& kernel, std::span<const Buffer* const> buffers, const void* push, std::uint32_t push_bytes,
+                      std::uint32_t groups);
+  void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, std::uint64_t from_offset = 0,
+            std::uint64_t to_offset = 0);
+  /// Offset and size in bytes, multiples of 4.
+  void fill(const Buffer& buffer, std::uint32_t word, std::uint64_t offset, std::uint64_t bytes);
+
+  /// Runs what was recorded and waits for its end; mapped buffers then show the results. Throws DeviceError.
+  void submit();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,211 @@
+#include "engine/volume.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/mat4x4.hpp>
+
+#include "engine/error.h"
+
+namespace rosefusion {
+namespace {
+
+using namespace shader;
+
+constexpr std::uint32_t kFirstCapacity = 4096;   // blocks: 8 MiB, a fifth of a small room
+constexpr double kGrowth = 1.5;
+constexpr int kTableMargin = 8;                  // blocks added around what must be covered
+constexpr std::uint64_t kLargestPool = 1u << 30;  // bytes of one pool buffer, also where a binding may be larger
+constexpr std::array<std::uint64_t, 3> kBlockBytes = {4 * kBlockTsdfWords, 4 * kBlockTsdfWords, 4 * kBlockColourWords};
+constexpr std::array<std::uint32_t, 3> kEmptyWord = {kUnobservedTsdf, 0, 0};
+
+std::uint64_t entriesOf(glm::ivec3 size) { return std::uint64_t(size.x) * size.y * size.z; }
+
+}  // namespace
+
+Volume::Volume(Device& device, const VolumeOptions& options) : device_(device), options_(options), recorder_(device) {
+  const DeviceLimits& limits = device.info().limits;
+  memory_limit_bytes_ = options.memory_limit_bytes ? options.memory_limit_bytes : limits.memory_bytes / 10 * 8;
+  const std::uint64_t pool_bytes = std::min(limits.max_storage_buffer_bytes, kLargestPool);
+  chunk_shift_ = std::bit_width(pool_bytes / (options.colour ? kBlockBytes[2] : kBlockBytes[0])) - 1;
+  layout_ = Buffer(device, sizeof(VolumeLayout), Memory::Device);
+  blocks_.push_back(glm::ivec4(0));
+  table_mirror_.assign(entriesOf(table_size_), 0);
+  table_ = Buffer(device, 4 * table_mirror_.size(), Memory::Device);
+  reserve(1);
+  uploadTable();
+  uploadLayout();
+}
+
+std::uint64_t Volume::memoryBytes() const {
+  std::uint64_t bytes = table_.bytes() + block_buffer_.bytes() + layout_.bytes();
+  for (const auto& kind : pools_)
+    for (const Buffer& buffer : kind) bytes += buffer.bytes();
+  return bytes;
+}
+
+void Volume::requireRoom(std::uint64_t bytes) const {
+  if (memoryBytes() + bytes > memory_limit_bytes_)
+    throw DeviceError(DeviceErrorCode::OutOfMemory,
+                      "The volume has reached its limit of " + std::to_string(memory_limit_bytes_ >> 20) +
+                          " MiB; make volume.voxel_size larger, depth.max smaller, or raise volume.memory_limit_mb.");
+}
+
+Buffer& Volume::staging(std::uint64_t bytes) {
+  if (staging_.bytes() < bytes) staging_ = Buffer(device_, bytes, Memory::Upload);
+  return staging_;
+}
+
+void Volume::growPools(std::uint32_t chunk, std::uint32_t capacity) {
+  const int kinds = options_.colour ? 3 : 2;
+  std::uint64_t added = 0;
+  for (int kind = 0; kind < kinds; ++kind) added += capacity * kBlockBytes[kind] - pools_[kind][chunk].bytes();
+  requireRoom(added);
+  // All new buffers before any old one goes, so that running out of memory changes nothing.
+  std::array<Buffer, 3> grown;
+  for (int kind = 0; kind < kinds; ++kind) grown[kind] = Buffer(device_, capacity * kBlockBytes[kind], Memory::Device);
+  for (int kind = 0; kind < kinds; ++kind) {
+    const std::uint64_t kept = pools_[kind][chunk].bytes();
+    if (kept) recorder_.copy(pools_[kind][chunk], grown[kind], kept);
+    recorder_.fill(grown[kind], kEmptyWord[kind], kept, grown[kind].bytes() - kept);
+  }
+  recorder_.submit();
+  for (int kind = 0; kind < kinds; ++kind) pools_[kind][chunk] = std::move(grown[kind]);
+}
+
+void Volume::reserve(std::uint32_t slots) {
+  const std::uint32_t chunk_blocks = 1u << chunk_shift_;
+  while (capacity_ < slots) {
+    const std::uint32_t chunk = capacity_ >> chunk_shift_;
+    if (chunk >= kMaxPoolChunks)
+      throw DeviceError(DeviceErrorCode::OutOfMemory,
+                        "The scene needs more than " + std::to_string(std::uint64_t(kMaxPoolChunks) << chunk_shift_) +
+                            " voxel blocks; make volume.voxel_size larger or depth.max smaller.");
+    const std::uint32_t in_chunk = capacity_ & (chunk_blocks - 1);
+    const std::uint32_t wanted = std::max(slots - (capacity_ - in_chunk), std::uint32_t(in_chunk * kGrowth));
+    const std::uint32_t size = std::min(chunk_blocks, std::max(kFirstCapacity, wanted));
+    growPools(chunk, size);
+    capacity_ = chunk * chunk_blocks + size;
+    if (chunk + 1 > chunks_) chunks_ = chunk + 1;
+    Buffer coordinates(device_, sizeof(glm::ivec4) * capacity_, Memory::Device);
+    if (block_buffer_) {
+      recorder_.copy(block_buffer_, coordinates, block_buffer_.bytes());
+      recorder_.submit();
+    }
+    block_buffer_ = std::move(coordinates);
+  }
+}
+
+void Volume::uploadLayout() {
+  VolumeLayout layout{};
+  layout.table_origin = glm::ivec4(table_origin_, static_cast<int>(chunk_shift_));
+  layout.table_size = glm::ivec4(table_size_, 0);
+  layout.scale = glm::vec4(options_.voxel_size, 1 / options_.voxel_size, options_.truncation, options_.max_weight);
+  Buffer& stage = staging(sizeof(layout));
+  std::memcpy(stage.as<char>().data(), &layout, sizeof(layout));
+  recorder_.copy(stage, layout_, sizeof(layout));
+  recorder_.submit();
+}
+
+void Volume::uploadTable() {
+  const std::uint64_t bytes = 4 * table_mirror_.size();
+  Buffer& stage = staging(bytes);
+  std::memcpy(stage.as<char>().data(), table_mirror_.data(), bytes);
+  recorder_.copy(stage, table_, bytes);
+  recorder_.submit();
+}
+
+void Volume::clearRequests() { uploadTable(); }
+
+void Volume::cover(glm::ivec3 min, glm::ivec3 max) {
+  glm::ivec3 low = min - kTableMargin, high = max + kTableMargin;
+  if (blockCount() > 0) {
+    // The old content lies inside the old table's border of 1.
+    low = glm::min(low, table_origin_);
+    high = glm::max(high, table_origin_ + table_size_ - 1);
+  }
+  const glm::ivec3 size = high - low + 1;
+  const std::uint64_t bytes = 4 * entriesOf(size);
+  if (bytes > device_.info().limits.max_storage_buffer_bytes)
+    throw DeviceError(DeviceErrorCode::OutOfMemory, "The scene's extent is too large for the page table; make "
+                                                    "volume.voxel_size larger or depth.max smaller.");
+  requireRoom(bytes - std::min(bytes, table_.bytes()));
+  Buffer table(device_, bytes, Memory::Device);
+  table_mirror_.assign(entriesOf(size), 0);
+  for (std::uint32_t slot = 1; slot < blocks_.size(); ++slot) {
+    const glm::ivec3 entry = glm::ivec3(blocks_[slot]) - low;
+    table_mirror_[(std::size_t(entry.z) * size.y + entry.y) * size.x + entry.x] = slot;
+  }
+  table_ = std::move(table);
+  table_origin_ = low;
+  table_size_ = size;
+  uploadTable();
+  uploadLayout();
+}
+
+void Volume::addBlocks(std::vector<std::uint32_t> entries) {
+  if (entries.empty()) return;
+  // Requests arrive in whatever order the device ran; sorted, the slots are the same in every run.
+  std::sort(entries.begin(), entries.end());
+  const auto first_slot = static_cast<std::uint32_t>(blocks_.size());
+  reserve(first_slot + static_cast<std::uint32_t>(entries.size()));
+  Buffer& stage = staging(sizeof(glm::ivec4) * entries.size());
+  const auto coordinates = stage.as<glm::ivec4>();
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const int e = static_cast<int>(entries[i]);
+    const glm::ivec3 entry(e % table_size_.x, e / table_size_.x % table_size_.y, e / table_size_.x / table_size_.y);
+    blocks_.push_back(glm::ivec4(table_origin_ + entry, 0));
+    coordinates[i] = blocks_.back();
+    table_mirror_[entries[i]] = first_slot + static_cast<std::uint32_t>(i);
+  }
+  recorder_.copy(stage, block_buffer_, sizeof(glm::ivec4) * entries.size(), 0, sizeof(glm::ivec4) * first_slot);
+  recorder_.submit();
+  uploadTable();
+}
+
+void Volume::visibleBlocks(const glm::mat4& camera_from_world, glm::vec4 focal_centre, glm::ivec4 size, float far,
+                           std::vector<std::uint32_t>& slots) const {
+  const float side = kBlockSide * options_.voxel_size;
+  const float radius = side * 0.8661f;  // half the diagonal
+  const glm::mat3 rotation(camera_from_world);
+  const glm::vec3 translation(camera_from_world[3]);
+  // Half-spaces through the optical centre whose planes hold the image's edges; normals point inwards.
+  const float left = (-0.5f - focal_centre.z) / focal_centre.x, right = (size.x - 0.5f - focal_centre.z) / focal_centre.x;
+  float top = (-0.5f - focal_centre.w) / focal_centre.y, bottom = (size.y - 0.5f - focal_centre.w) / focal_centre.y;
+  if (top > bottom) std::swap(top, bottom);  // negative fy
+  const std::array<glm::vec3, 4> planes = {glm::normalize(glm::vec3(1, 0, -left)), glm::normalize(glm::vec3(-1, 0, right)),
+                                           glm::normalize(glm::vec3(0, 1, -top)), glm::normalize(glm::vec3(0, -1, bottom))};
+  slots.clear();
+  for (std::uint32_t slot = 1; slot < blocks_.size(); ++slot) {
+    const glm::vec3 centre = rotation * ((glm::vec3(blocks_[slot]) + 0.5f) * side) + translation;
+    if (centre.z < -radius || centre.z > far + radius) continue;
+    if (std::all_of(planes.begin(), planes.end(), [&](const glm::vec3& n) { return glm::dot(n, centre) > -radius; }))
+      slots.push_back(slot);
+  }
+}
+
+VolumeContents Volume::download() {
+  VolumeContents out;
+  out.blocks = blocks_;
+  out.tsdf.resize(blocks_.size() * kBlockVoxels);
+  out.weight.resize(out.tsdf.size());
+  for (std::uint32_t chunk = 0; chunk < chunks_; ++chunk) {
+    const std::size_t first = std::size_t(chunk) << chunk_shift_;
+    const std::size_t slots = std::min<std::size_t>(blocks_.size() - first, std::size_t(1) << chunk_shift_);
+    Buffer tsdf(device_, slots * kBlockBytes[0], Memory::Readback), weight(device_, slots * kBlockBytes[1], Memory::Readback);
+    recorder_.copy(pools_[0][chunk], tsdf, slots * kBlockBytes[0]);
+    recorder_.copy(pools_[1][chunk], weight, slots * kBlockBytes[1]);
+    recorder_.submit();
+    const auto t = tsdf.as<std::int16_t>();
+    const auto w = weight.as<std::uint16_t>();
+    for (std::size_t i = 0; i < slots * kBlockVoxels; ++i) {
+      out.tsdf[first * kBlockVoxels + i] = std::max(-1.0f, t[i] / 32767.0f);
+      out.weight[first * kBlockVoxels + i] = w[i] / kWeightOne;
+    }
+  }
+  return out;
+}
+
+}  // namespace rosefusion

@@ -1,0 +1,89 @@
+// The voxel-block volume on the device: page table, pools that grow, and the host's list of blocks.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <span>
+#include <vector>
+
+#include "engine/buffer.h"
+#include "engine/recorder.h"
+#include "shaders/compute/interface/volume.h"
+
+namespace rosefusion {
+
+struct VolumeOptions {
+  float voxel_size = 0.02f;
+  float truncation = 0.06f;
+  float max_weight = 128;             ///< at most 255
+  bool colour = false;
+  std::uint64_t memory_limit_bytes = 0;  ///< of the volume; 0: 80 % of the device's memory
+};
+
+/// Where the volume's contents are copied for tests and exports: slot-major, voxels with x fastest.
+struct VolumeContents {
+  std::vector<glm::ivec4> blocks;  ///< block coordinate per slot; slot 0 is the unobserved block
+  std::vector<float> tsdf;         ///< [-1, 1], kBlockVoxels per slot
+  std::vector<float> weight;
+};
+
+/// Grows on demand; nothing is ever evicted. Growing submits work of its own and waits: call it between frames. A
+/// failed growth (DeviceError OutOfMemory, naming the settings to change) leaves the volume as it was.
+class Volume {
+ public:
+  Volume(Device& device, const VolumeOptions& options);
+
+  const VolumeOptions& options() const { return options_; }
+  std::uint32_t blockCount() const { return static_cast<std::uint32_t>(blocks_.size()) - 1; }
+  /// Block coordinates by slot, slot 0 (the unobserved block) included.
+  std::span<const glm::ivec4> blocks() const { return blocks_; }
+  std::uint64_t memoryBytes() const;
+
+  /// Enlarges the page table so that it covers the block coordinates min..max (inclusive).
+  void cover(glm::ivec3 min, glm::ivec3 max);
+  /// Gives slots to the table entries (linear indices), in ascending order whatever order they come in.
+  void addBlocks(std::vector<std::uint32_t> entries);
+  /// Takes back all kRequested marks that were given no slot.
+  void clearRequests();
+  /// Slots whose block may be seen by the camera: in front of it, inside its image, nearer than `far`.
+  void visibleBlocks(const glm::mat4& camera_from_world, glm::vec4 focal_centre, glm::ivec4 size, float far,
+                     std::vector<std::uint32_t>& slots) const;
+  VolumeContents download();
+
+  /// Pool buffers in use: specialisation constant 0 of every kernel that includes lib/volume.glsl.
+  std::uint32_t chunks() const { return chunks_; }
+  const Buffer& layoutBuffer() const { return layout_; }
+  const Buffer& table() const { return table_; }
+  const Buffer& blockBuffer() const { return block_buffer_; }
+  /// Pool buffer `chunk` of kMaxPoolChunks; beyond those in use the first is repeated.
+  const Buffer& tsdf(std::uint32_t chunk) const { return pool(0, chunk); }
+  const Buffer& weight(std::uint32_t chunk) const { return pool(1, chunk); }
+  /// Without colour: the TSDF pool, which the shader then does not touch.
+  const Buffer& colour(std::uint32_t chunk) const { return pool(options_.colour ? 2 : 0, chunk); }
+
+ private:
+  const Buffer& pool(int kind, std::uint32_t chunk) const { return pools_[kind][chunk < chunks_ ? chunk : 0]; }
+  void reserve(std::uint32_t slots);
+  void growPools(std::uint32_t chunk, std::uint32_t capacity);
+  void uploadTable();
+  void uploadLayout();
+  void requireRoom(std::uint64_t bytes) const;
+  Buffer& staging(std::uint64_t bytes);
+
+  Device& device_;
+  VolumeOptions options_;
+  Recorder recorder_;
+  std::uint64_t memory_limit_bytes_ = 0;
+  std::uint32_t chunk_shift_ = 0;  ///< log2 of the most blocks per pool buffer
+  std::uint32_t chunks_ = 1;
+  std::uint32_t capacity_ = 0;  ///< slots that fit into the pools now
+  glm::ivec3 table_origin_{0};
+  glm::ivec3 table_size_{3};
+  std::vector<std::uint32_t> table_mirror_;
+  std::vector<glm::ivec4> blocks_;
+  Buffer layout_, table_, block_buffer_, staging_;
+  std::array<std::array<Buffer, shader::kMaxPoolChunks>, 3> pools_;  ///< [TSDF, weight, colour][chunk]
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,34 @@
+// Pass fitness: every particle's summed loss over a slice of the selected points [eq:normallh].
+#ifndef ROSEFUSION_INTERFACE_FITNESS_H
+#define ROSEFUSION_INTERFACE_FITNESS_H
+#include "shaders/compute/interface/types.h"
+#ifdef __cplusplus
+namespace rosefusion::shader {
+#endif
+
+const uint kFitnessGroup = 64u;  // particles per workgroup; the y index is the slice of points
+const uint kFitnessBindLayout = 0u;
+const uint kFitnessBindTable = 1u;
+const uint kFitnessBindTsdf = 2u;  // kMaxPoolChunks bindings
+const uint kFitnessBindTemplates = 6u;  // two vec4 per particle: (x, y, z, 0), (qx, qy, qz, 0) in the unit ball
+const uint kFitnessBindPoints = 7u;
+const uint kFitnessBindCount = 8u;
+const uint kFitnessBindPartial = 9u;  // vec2 per slice and particle: sum, compensation
+const uint kFitnessBindings = 10u;
+const uint kLossSquared = 0u;   // psi^2: the paper
+const uint kLossAbsolute = 1u;  // |psi|
+
+struct FitnessParams {
+  mat4 world_from_camera;    // the swarm centre
+  vec4 translation_lengths;  // axis lengths of the swarm, metres
+  vec4 rotation_lengths;     // of the quaternion's imaginary part
+  uint particles;
+  uint first_particle;       // of the template, in the template buffer
+  uint slices;
+  uint pad0;
+};
+
+#ifdef __cplusplus
+}  // namespace rosefusion::shader
+#endif
+#endif
