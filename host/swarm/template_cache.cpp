@@ -1,0 +1,89 @@
+#include <fcntl.h>
+#include <spdlog/spdlog.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <system_error>
+
+#include "host/error.h"
+#include "host/swarm/template_file.h"
+#include "host/swarm/template_sampling.h"
+
+namespace rosefusion {
+namespace {
+
+// Held by the process that generates the file; released by the system when that process dies. Where locks do
+// not work (some network disks) it does nothing, and two processes then write the same bytes one after the
+// other.
+class FileLock {
+ public:
+  explicit FileLock(const std::filesystem::path& file)
+      : descriptor_(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
+    if (descriptor_ >= 0) (void)flock(descriptor_, LOCK_EX);
+  }
+  ~FileLock() {
+    if (descriptor_ >= 0) close(descriptor_);
+  }
+  FileLock(const FileLock&) = delete;
+  FileLock& operator=(const FileLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
+std::optional<TemplateSet> tryRead(const std::filesystem::path& file, const TemplateOptions& options,
+                                   bool warn) {
+  if (std::error_code error; !std::filesystem::exists(file, error)) return std::nullopt;
+  try {
+    TemplateSet set = readTemplates(file);
+    if (set.options == options) return set;
+    if (warn) spdlog::warn("{}: holds swarm templates of other options; it is written anew.", file.string());
+  } catch (const InputError& error) {
+    if (warn) spdlog::warn("{} It is written anew now.", error.what());
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::filesystem::path defaultTemplateCache(const TemplateOptions& options) {
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::filesystem::path(value ? value : "");
+  };
+  std::filesystem::path folder = variable("XDG_CACHE_HOME");
+  if (!folder.is_absolute()) {  // the XDG specification says to ignore relative ones
+    folder = variable("HOME");
+    if (folder.empty()) return {};
+    folder /= ".cache";
+  }
+  std::ostringstream name;
+  name << "templates";
+  for (int size : options.sizes) name << '-' << size;
+  name << "_x" << options.count << "_seed" << options.seed << "_k" << options.candidates << ".pst";
+  return folder / "rosefusion" / name.str();
+}
+
+TemplateSet loadOrGenerate(const std::filesystem::path& cache_file, const TemplateOptions& options,
+                           const TemplateProgress& progress) {
+  if (cache_file.empty()) return generateTemplates(options, progress);
+  if (auto set = tryRead(cache_file, options, false)) return *std::move(set);
+  std::error_code ignored;  // writing the file says what is wrong with the folder
+  std::filesystem::create_directories(cache_file.parent_path(), ignored);
+  std::filesystem::path lock_file = cache_file;
+  const FileLock lock(lock_file += ".lock");
+  if (auto set = tryRead(cache_file, options, true)) return *std::move(set);
+  TemplateSet set = generateTemplates(options, progress);
+  try {
+    writeTemplates(cache_file, set);
+  } catch (const InputError& error) {
+    spdlog::warn("{} The swarm templates will be generated again next time.", error.what());
+  }
+  return set;
+}
+
+}  // namespace rosefusion
