@@ -11,7 +11,8 @@
 
 namespace rosefusion {
 
-Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsorted) {
+Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsorted,
+                             std::vector<std::string>* skipped) {
   std::ifstream in(file);
   if (!in) throw InputError(file.string() + ": cannot be opened; give a trajectory file in TUM format.");
   Trajectory trajectory;
@@ -31,11 +32,19 @@ Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsort
       good = good && end && *end == '\0';
     }
     const std::string where = file.string() + ":" + std::to_string(number);
-    if (!good) throw InputError(where + ": not a TUM pose; expected 't tx ty tz qx qy qz qw'.");
-    if (!std::all_of(v, v + 8, [](double x) { return std::isfinite(x); }))
-      throw InputError(where + ": the pose has a number that is not finite; remove the line.");
-    Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
-    if (q.norm() < 1e-6) throw InputError(where + ": the quaternion is zero; remove the line.");
+    const Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
+    std::string problem;
+    if (!good)
+      problem = ": not a TUM pose; expected 't tx ty tz qx qy qz qw'.";
+    else if (!std::all_of(v, v + 8, [](double x) { return std::isfinite(x); }))
+      problem = ": the pose has a number that is not finite; remove the line.";
+    else if (q.norm() < 1e-6)
+      problem = ": the quaternion is zero; remove the line.";
+    if (!problem.empty()) {
+      if (!skipped) throw InputError(where + problem);
+      skipped->push_back(where + problem);
+      continue;
+    }
     Pose pose = Pose::Identity();
     pose.linear() = q.normalized().toRotationMatrix();
     pose.translation() = Eigen::Vector3d(v[1], v[2], v[3]);

@@ -1,6 +1,7 @@
 // A camera trajectory and its text form (TUM RGB-D: `t tx ty tz qx qy qz qw`, camera to world).
 #pragma once
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "host/camera.h"
@@ -15,10 +16,12 @@ struct StampedPose {
 /// Poses in ascending order of time.
 using Trajectory = std::vector<StampedPose>;
 
-/// Reads a TUM trajectory ('#' comments allowed). Throws InputError naming the file and the line for a missing file,
-/// malformed or non-finite numbers, or a zero quaternion; quaternions are normalised. Unsorted stamps are sorted;
-/// `was_unsorted` (optional) tells that they were.
-Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsorted = nullptr);
+/// Reads a TUM trajectory ('#' comments allowed). Throws InputError naming the file and the line for a
+/// missing file, malformed or non-finite numbers, or a zero quaternion; quaternions are normalised. Unsorted
+/// stamps are sorted; `was_unsorted` (optional) tells that they were. With `skipped` given, bad lines do not
+/// throw: they are left out and their sentences collected there.
+Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsorted = nullptr,
+                             std::vector<std::string>* skipped = nullptr);
 
 /// Writes the whole file or, on failure, throws InputError and leaves nothing half-written.
 void writeTumTrajectory(const std::filesystem::path& file, const Trajectory& trajectory);

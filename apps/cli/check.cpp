@@ -1,7 +1,182 @@
+// rosefusion check: looks through a sequence and says what is wrong with it before any time is spent on it.
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
 #include "apps/cli/commands.h"
+#include "host/datasets/inspection.h"
+#include "host/error.h"
 
 namespace rosefusion::cli {
+namespace {
 
-void addCheckCommand(CLI::App&) {}
+struct CheckOptions {
+  std::string sequence;
+  std::string json;
+  std::size_t max_frames = 0;
+  std::vector<double> intrinsics;  // fx fy cx cy, or empty
+  double depth_units_per_metre = 0;
+};
+
+/// A bar that rewrites itself on a terminal; a line per quarter elsewhere.
+void showProgress(std::size_t done, std::size_t total) {
+  if (isatty(STDERR_FILENO)) {
+    const int width = 30, filled = static_cast<int>(width * done / total);
+    std::fprintf(stderr, "\rreading [%.*s%*s] %zu/%zu%s", filled, "##############################",
+                 width - filled, "", done, total, done == total ? "\r\033[K" : "");
+  } else if (done == total || 4 * done / total != 4 * (done - 1) / total) {
+    std::fprintf(stderr, "read %zu of %zu depth images\n", done, total);
+  }
+}
+
+/// One line of the report: a label and its text.
+void line(std::ostream& out, const char* label, const std::string& text) {
+  out << "  " << label << std::string(16 - std::string(label).size(), ' ') << text << '\n';
+}
+
+std::string describe(const SequenceInfo& info, const Inspection& r) {
+  std::ostringstream out;
+  const auto f = [](const char* pattern, auto... values) {
+    char text[256];
+    std::snprintf(text, sizeof text, pattern, values...);
+    return std::string(text);
+  };
+  const Intrinsics& k = info.intrinsics;
+  out << info.path.string() << '\n';
+  line(out, "format", info.format);
+  line(out, "frames", f("%zu in %.1f s, %.1f per second", r.frames, r.seconds, r.frames_per_second));
+  line(out, "images", f("%dx%d, %s", k.width, k.height, info.has_colour ? "depth and colour" : "depth only"));
+  line(out, "intrinsics",
+       f("fx %g, fy %g, cx %g, cy %g (%s", k.fx, k.fy, k.cx, k.cy,
+         info.intrinsics_assumed ? "assumed: " : "") +
+           info.intrinsics_source + ")");
+  line(out, "depth scale", f("%g units per metre", info.depth_units_per_metre));
+  if (r.images_read > 0)
+    line(out, "valid depth",
+         f("%.0f %% of the pixels (median), %.0f %% in the worst frame (%zu)", 100 * r.valid_share_median,
+           100 * r.valid_share_worst, r.worst_frame));
+  if (const auto& d = r.depth)
+    line(out, "depth range",
+         f("%.2f to %.2f m for 98 %% of the pixels, median %.2f m", d->p1, d->p99, d->p50));
+  if (info.truth.empty())
+    line(out, "truth", "none");
+  else
+    line(out, "truth",
+         f("%zu poses, covers %zu of %zu frames", info.truth.size(), r.frames_with_truth, r.frames));
+  if (const auto& s = r.speeds)
+    line(out, "camera speed",
+         f("%.2f m/s mean, %.2f max; %.2f rad/s mean, %.2f max", s->linear_mean, s->linear_max,
+           s->angular_mean, s->angular_max));
+  line(out, "unreadable",
+       f("%zu of %zu images looked at", r.unreadable.size(), r.unreadable.size() + r.images_read));
+  line(out, "gaps in time", f("%zu", r.gaps.size()));
+  for (const std::string& note : info.notes) line(out, "note", note);
+  out << '\n' << (r.findings.empty() ? "Nothing looks wrong.\n" : "What looks wrong:\n");
+  for (const Finding& finding : r.findings) {
+    out << (finding.fatal ? "  [error] " : "  [warning] ") << finding.what << '\n';
+    if (!finding.remedy.empty()) out << "      -> " << finding.remedy << '\n';
+  }
+  return out.str();
+}
+
+nlohmann::ordered_json toJson(const SequenceInfo& info, const Inspection& r) {
+  const Intrinsics& k = info.intrinsics;
+  nlohmann::ordered_json json{
+      {"path", info.path.string()},
+      {"format", info.format},
+      {"usable", r.usable()},
+      {"frames", r.frames},
+      {"seconds", r.seconds},
+      {"frames_per_second", r.frames_per_second},
+      {"has_colour", info.has_colour},
+      {"intrinsics",
+       {{"width", k.width},
+        {"height", k.height},
+        {"fx", k.fx},
+        {"fy", k.fy},
+        {"cx", k.cx},
+        {"cy", k.cy},
+        {"assumed", info.intrinsics_assumed},
+        {"source", info.intrinsics_source}}},
+      {"depth_units_per_metre", info.depth_units_per_metre},
+      {"images_read", r.images_read},
+      {"valid_share",
+       {{"median", r.valid_share_median}, {"worst", r.valid_share_worst}, {"worst_frame", r.worst_frame}}},
+      {"empty_frames", r.empty_frames},
+      {"flat_frames", r.flat_frames},
+      {"repeated_images", r.repeated_images},
+      {"repeated_stamps", r.repeated_stamps},
+      {"truth", {{"poses", info.truth.size()}, {"frames_covered", r.frames_with_truth}}}};
+  if (const auto& d = r.depth)
+    json["depth_m"] = {{"p1", d->p1}, {"p5", d->p5}, {"p50", d->p50}, {"p95", d->p95}, {"p99", d->p99}};
+  if (const auto& s = r.speeds)
+    json["speed"] = {{"linear_mean_m_s", s->linear_mean},
+                     {"linear_max_m_s", s->linear_max},
+                     {"angular_mean_rad_s", s->angular_mean},
+                     {"angular_max_rad_s", s->angular_max}};
+  json["unreadable"] = nlohmann::ordered_json::array();
+  for (const UnreadableFrame& frame : r.unreadable)
+    json["unreadable"].push_back({{"frame", frame.index}, {"problem", frame.problem}});
+  json["gaps"] = nlohmann::ordered_json::array();
+  for (const TimeGap& gap : r.gaps)
+    json["gaps"].push_back({{"after_frame", gap.after_frame}, {"seconds", gap.seconds}});
+  json["notes"] = info.notes;
+  json["findings"] = nlohmann::ordered_json::array();
+  for (const Finding& finding : r.findings)
+    json["findings"].push_back(
+        {{"fatal", finding.fatal}, {"what", finding.what}, {"remedy", finding.remedy}});
+  return json;
+}
+
+void check(const CheckOptions& options) {
+  SequenceOptions open;
+  if (const auto& v = options.intrinsics; !v.empty())
+    open.intrinsics = Intrinsics{0, 0, v[0], v[1], v[2], v[3]};
+  if (options.depth_units_per_metre != 0) open.depth_units_per_metre = options.depth_units_per_metre;
+  const auto sequence = openSequence(options.sequence, open);
+  const Inspection inspection = inspectSequence(*sequence, options.max_frames, showProgress);
+  // With the JSON on standard output, people read standard error.
+  std::fputs(describe(sequence->info(), inspection).c_str(), options.json == "-" ? stderr : stdout);
+  writeJson(options.json, toJson(sequence->info(), inspection).dump(2));
+  if (!inspection.usable())
+    throw InputError(options.sequence + ": not usable as it is; change what is marked [error] above.");
+}
+
+}  // namespace
+
+void addCheckCommand(CLI::App& app) {
+  const auto options = std::make_shared<CheckOptions>();
+  CLI::App* command =
+      app.add_subcommand("check", "Look through a sequence and say what is wrong and what to change");
+  command
+      ->add_option("SEQUENCE", options->sequence,
+                   "folder (TUM, ETH3D, ICL-NUIM, 7-Scenes, Replica, FastCaMo, "
+                   "PNGs with a sequence.yaml) or packed .seq file")
+      ->required();
+  command->add_option("--json", options->json,
+                      "also write everything as JSON to this file ('-': standard output)");
+  command
+      ->add_option(
+          "--max-frames", options->max_frames,
+          "look at this many depth images only, spread over the sequence (stamps and truth: always all)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--intrinsics", options->intrinsics, "fx,fy,cx,cy in pixels instead of the data's own")
+      ->delimiter(',')
+      ->expected(4);
+  command
+      ->add_option("--depth-units-per-metre", options->depth_units_per_metre,
+                   "instead of the data set's own, such as 1000 for millimetres")
+      ->check(CLI::PositiveNumber);
+  command->footer(
+      "Examples:\n"
+      "  rosefusion check rgbd_dataset_freiburg1_rpy\n"
+      "  rosefusion check my_recording --max-frames 100 --json check.json\n"
+      "  rosefusion check my_recording --intrinsics 525,525,319.5,239.5 --depth-units-per-metre 1000\n"
+      "Exit code: 0 when usable (warnings allowed), 2 when not.");
+  command->callback([options] { check(*options); });
+}
 
 }  // namespace rosefusion::cli

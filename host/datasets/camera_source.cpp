@@ -1,0 +1,63 @@
+#include "host/datasets/camera_source.h"
+
+#include <cmath>
+
+#include "host/datasets/text_table.h"
+#include "host/error.h"
+
+namespace rosefusion::datasets {
+namespace {
+
+std::string sizeText(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+/// The same lens on an image sampled more coarsely or finely; pixel centres have integer coordinates.
+Intrinsics scaledTo(const Intrinsics& k, int width, int height) {
+  const double sx = static_cast<double>(width) / k.width, sy = static_cast<double>(height) / k.height;
+  return {width, height, k.fx * sx, k.fy * sy, (k.cx + 0.5) * sx - 0.5, (k.cy + 0.5) * sy - 0.5};
+}
+
+}  // namespace
+
+std::optional<CameraSource> readCalibration(const std::filesystem::path& folder,
+                                            std::vector<std::string>& warnings) {
+  const std::filesystem::path file = folder / "calibration.txt";
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  const std::vector<double> v = readNumbers(file);
+  if (v.size() < 4) throw InputError(file.string() + ": expected four numbers 'fx fy cx cy' in pixels.");
+  if (v.size() > 4)
+    warnings.push_back(file.string() +
+                       ": only fx fy cx cy are used; if the rest is distortion, undistort the images.");
+  return CameraSource{{0, 0, v[0], v[1], v[2], v[3]}, file.string(), false};
+}
+
+void chooseCamera(const CameraSource& camera, double depth_units_per_metre, const SequenceOptions& options,
+                  int width, int height, SequenceInfo& info) {
+  Intrinsics k = options.intrinsics.value_or(camera.values);
+  info.intrinsics_source = options.intrinsics ? "the given intrinsics" : camera.source;
+  info.intrinsics_assumed = !options.intrinsics && camera.assumed;
+  const bool other_size = k.width > 0 && k.height > 0 && (k.width != width || k.height != height);
+  if (other_size && !info.intrinsics_assumed)
+    throw InputError(info.intrinsics_source + ": the intrinsics are for " + sizeText(k.width, k.height) +
+                     " images, but the depth images of " + info.path.string() + " are " +
+                     sizeText(width, height) + "; give intrinsics for that size.");
+  if (other_size) {
+    info.warnings.push_back(info.path.string() + ": the assumed intrinsics (" + info.intrinsics_source +
+                            ") are for " + sizeText(k.width, k.height) + " images and were scaled to " +
+                            sizeText(width, height) + ".");
+    k = scaledTo(k, width, height);
+  }
+  k.width = width;
+  k.height = height;
+  requirePlausible(k, info.intrinsics_source);
+  info.intrinsics = k;
+
+  info.depth_units_per_metre = options.depth_units_per_metre.value_or(depth_units_per_metre);
+  const double units = info.depth_units_per_metre;
+  if (!std::isfinite(units) || units < 1 || units > 1e6)
+    throw InputError(info.path.string() + ": depth_units_per_metre is " + std::to_string(units) +
+                     "; give how many depth units make a metre, 1 to 1000000 (1000 for millimetres).");
+}
+
+}  // namespace rosefusion::datasets

@@ -1,0 +1,21 @@
+// ETH3D SLAM (Schoeps et al., CVPR 2019): the TUM layout with calibration.txt and associated.txt; depth in
+// 1/5000 m.
+#include "host/datasets/listing.h"
+
+namespace rosefusion::datasets {
+namespace {
+
+bool matches(const std::filesystem::path& folder) {
+  return std::filesystem::is_regular_file(folder / "calibration.txt") &&
+         std::filesystem::is_regular_file(folder / "associated.txt");
+}
+
+Listing list(const std::filesystem::path& folder) {
+  return listTumLayout(folder, kEth3dReader.format, {});
+}
+
+}  // namespace
+
+const Reader kEth3dReader{"ETH3D SLAM", "calibration.txt with associated.txt (ETH3D)", matches, list};
+
+}  // namespace rosefusion::datasets

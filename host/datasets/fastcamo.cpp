@@ -1,0 +1,47 @@
+// FastCaMo as a folder (Zhang et al., TOG 2021): associations.txt with the colour image first; depth in
+// millimetres.
+#include "host/datasets/association.h"
+#include "host/datasets/listing.h"
+#include "host/datasets/truth.h"
+#include "host/error.h"
+
+namespace rosefusion::datasets {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// TUM folders have the same associations, but also depth.txt, a calibration, or a name that gives them away.
+bool matches(const fs::path& folder) {
+  const fs::path file = findAssociationFile(folder);
+  if (file.empty() || fs::exists(folder / "depth.txt") || fs::exists(folder / "calibration.txt"))
+    return false;
+  if (fs::weakly_canonical(folder).filename().string().find("freiburg") != std::string::npos) return false;
+  try {
+    std::vector<std::string> ignored;
+    return !readAssociations(file, ignored).depth_first;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+Listing list(const fs::path& folder) {
+  Listing listing{.format = kFastCaMoReader.format, .path = folder, .depth_units_per_metre = 1000};
+  listing.camera = {{640, 480, 320.0, 320.0, 319.5, 239.5}, "the FastCaMo convention", true};
+  listing.frames = readAssociations(findAssociationFile(folder), listing.warnings).frames;
+  listing.notes.push_back(
+      "taken for FastCaMo, depth in millimetres: associations.txt has the colour image first, and there is "
+      "no "
+      "depth.txt; data of another kind needs a sequence.yaml");
+  if (stampsAreFrameNumbers(listing.frames)) {
+    listing.seconds_per_stamp = 1 / 30.0;
+    listing.notes.push_back("time stamps are frame numbers, kept as they are; 30 frames per second assumed");
+  }
+  listing.truth = readTruth(folder / "groundtruth.txt", listing.warnings);
+  return listing;
+}
+
+}  // namespace
+
+const Reader kFastCaMoReader{"FastCaMo", "associations.txt, colour first (FastCaMo)", matches, list};
+
+}  // namespace rosefusion::datasets

@@ -1,0 +1,54 @@
+// ICL-NUIM (Handa et al., ICRA 2014), TUM-compatible PNGs: associations.txt with the depth image first and
+// frame numbers as stamps; depth in 1/5000 m; rendered with y upwards, hence the negative fy.
+#include "host/datasets/association.h"
+#include "host/datasets/listing.h"
+#include "host/datasets/truth.h"
+#include "host/error.h"
+
+namespace rosefusion::datasets {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kFramesPerSecond = 30;
+
+fs::path findTruth(const fs::path& folder) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().extension() == ".freiburg") return entry.path();
+  return folder / "groundtruth.txt";
+}
+
+bool matches(const fs::path& folder) {
+  const fs::path file = findAssociationFile(folder);
+  if (file.empty() || fs::exists(folder / "depth.txt")) return false;
+  if (findTruth(folder).extension() == ".freiburg") return true;
+  try {
+    std::vector<std::string> ignored;
+    const Associations pairs = readAssociations(file, ignored);
+    return pairs.depth_first && stampsAreFrameNumbers(pairs.frames) &&
+           !fs::exists(folder / "calibration.txt");
+  } catch (const InputError&) {
+    return false;  // the reader that takes the folder in the end says what is wrong with the list
+  }
+}
+
+Listing list(const fs::path& folder) {
+  Listing listing{.format = kIclNuimReader.format, .path = folder, .depth_units_per_metre = 5000};
+  const CameraSource camera{
+      {640, 480, 481.2, -480.0, 319.5, 239.5}, "the ICL-NUIM convention (negative fy)", true};
+  listing.camera = readCalibration(folder, listing.warnings).value_or(camera);
+  listing.frames = readAssociations(findAssociationFile(folder), listing.warnings).frames;
+  if (stampsAreFrameNumbers(listing.frames)) {
+    listing.seconds_per_stamp = 1 / kFramesPerSecond;
+    listing.notes.push_back("time stamps are frame numbers, kept as they are; 30 frames per second assumed");
+  }
+  listing.truth = readTruth(findTruth(folder), listing.warnings);
+  return listing;
+}
+
+}  // namespace
+
+const Reader kIclNuimReader{"ICL-NUIM", "associations.txt with *.gt.freiburg (ICL-NUIM)", matches, list};
+
+}  // namespace rosefusion::datasets

@@ -1,0 +1,77 @@
+#include "host/datasets/image_file.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <opencv2/imgcodecs.hpp>
+#include <string_view>
+
+namespace rosefusion::datasets {
+namespace {
+
+/// A complete PNG ends with its IEND chunk. Checked here because some decoders return the part they got of a
+/// truncated file, its missing rows looking like invalid depth.
+bool isTruncatedPng(std::string_view bytes) {
+  constexpr std::string_view kSignature = "\x89PNG";
+  constexpr std::size_t kTail = 64;  // the chunk takes 12 bytes; a few stray bytes behind it do no harm
+  return bytes.starts_with(kSignature) &&
+         bytes.substr(bytes.size() - std::min(bytes.size(), kTail)).find("IEND") == std::string_view::npos;
+}
+
+bool decode(const std::filesystem::path& file, int flags, cv::Mat& image, std::string& problem) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) {
+    problem = file.string() + ": " +
+              (std::filesystem::exists(file) ? "the file cannot be opened." : "the file is missing.");
+    return false;
+  }
+  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  if (bytes.empty()) {
+    problem = file.string() + ": the file is empty; copy or download it again.";
+    return false;
+  }
+  if (isTruncatedPng(bytes)) {
+    problem = file.string() + ": the PNG is truncated; copy or download it again.";
+    return false;
+  }
+  try {
+    image = cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data()), flags);
+  } catch (const cv::Exception&) {
+    image.release();
+  }
+  if (image.empty())
+    problem = file.string() + ": the image is damaged and cannot be decoded; copy or download it again.";
+  return !image.empty();
+}
+
+bool hasSize(const std::filesystem::path& file, const cv::Mat& image, cv::Size expected,
+             std::string& problem) {
+  if (expected.empty() || image.size() == expected) return true;
+  const auto text = [](cv::Size size) {
+    return std::to_string(size.width) + "x" + std::to_string(size.height);
+  };
+  problem = file.string() + ": the image is " + text(image.size()) + ", but this sequence is " +
+            text(expected) + ".";
+  return false;
+}
+
+}  // namespace
+
+bool readDepthImage(const std::filesystem::path& file, cv::Size expected, cv::Mat& depth,
+                    std::string& problem) {
+  if (!decode(file, cv::IMREAD_UNCHANGED, depth, problem)) return false;
+  if (depth.type() != CV_16UC1) {
+    problem = file.string() + ": " + std::to_string(8 * depth.elemSize1()) + "-bit image with " +
+              std::to_string(depth.channels()) + (depth.channels() == 1 ? " channel" : " channels") +
+              "; depth must be a 16-bit image with one channel, so export it again as a 16-bit PNG.";
+    return false;
+  }
+  return hasSize(file, depth, expected, problem);
+}
+
+bool readColourImage(const std::filesystem::path& file, cv::Size expected, cv::Mat& colour,
+                     std::string& problem) {
+  return decode(file, cv::IMREAD_COLOR, colour, problem) && hasSize(file, colour, expected, problem);
+}
+
+}  // namespace rosefusion::datasets

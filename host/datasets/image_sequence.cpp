@@ -1,0 +1,80 @@
+#include "host/datasets/image_sequence.h"
+
+#include <algorithm>
+
+#include "host/datasets/image_file.h"
+#include "host/error.h"
+
+namespace rosefusion::datasets {
+
+ImageSequence::ImageSequence(Listing listing, const SequenceOptions& options)
+    : frames_(std::move(listing.frames)), load_colour_(options.colour) {
+  info_.format = listing.format;
+  info_.path = listing.path;
+  info_.frames = frames_.size();
+  info_.seconds_per_stamp = listing.seconds_per_stamp;
+  info_.truth = std::move(listing.truth);
+  info_.notes = std::move(listing.notes);
+  info_.warnings = std::move(listing.warnings);
+  dropMissingColour();
+  if (frames_.empty())
+    throw InputError(info_.path.string() + ": holds no depth frames; check that it was copied whole.");
+  sortByTime();
+  const cv::Size size = findImageSize();
+  chooseCamera(listing.camera, listing.depth_units_per_metre, options, size.width, size.height, info_);
+}
+
+void ImageSequence::dropMissingColour() {
+  std::size_t listed = 0, missing = 0;
+  for (FrameFiles& frame : frames_) {
+    if (frame.colour.empty()) continue;
+    ++listed;
+    if (std::filesystem::exists(frame.colour)) continue;
+    ++missing;
+    frame.colour.clear();
+  }
+  info_.has_colour = listed > missing;
+  if (missing > 0)
+    info_.warnings.push_back(info_.path.string() + ": " + std::to_string(missing) + " of " +
+                             std::to_string(listed) +
+                             " listed colour images are missing; those frames have depth only.");
+}
+
+void ImageSequence::sortByTime() {
+  const auto earlier = [](const FrameFiles& a, const FrameFiles& b) { return a.timestamp < b.timestamp; };
+  if (!std::is_sorted(frames_.begin(), frames_.end(), earlier)) {
+    std::stable_sort(frames_.begin(), frames_.end(), earlier);
+    info_.warnings.push_back(info_.path.string() +
+                             ": the frames' time stamps are not ascending; they were sorted.");
+  }
+}
+
+cv::Size ImageSequence::findImageSize() const {
+  constexpr std::size_t kAttempts = 100;  // a start this bad is not a sequence with a few damaged frames
+  cv::Mat depth;
+  std::string problem, first_problem;
+  for (std::size_t i = 0; i < std::min(frames_.size(), kAttempts); ++i) {
+    if (readDepthImage(frames_[i].depth, {}, depth, problem)) return depth.size();
+    if (i == 0) first_problem = problem;
+  }
+  throw InputError(info_.path.string() + ": none of its first " +
+                   std::to_string(std::min(frames_.size(), kAttempts)) +
+                   " depth images can be read; the first: " + first_problem);
+}
+
+bool ImageSequence::read(std::size_t index, Frame& frame, std::string& problem) {
+  const FrameFiles& files = frames_.at(index);
+  problem.clear();
+  frame = {};  // fresh buffers: the caller may still hold the previous frame's
+  frame.timestamp = files.timestamp;
+  const cv::Size size(info_.intrinsics.width, info_.intrinsics.height);
+  if (!readDepthImage(files.depth, size, frame.depth, problem)) {
+    frame.depth.release();
+    return false;
+  }
+  if (load_colour_ && !files.colour.empty() && !readColourImage(files.colour, size, frame.colour, problem))
+    frame.colour.release();
+  return true;
+}
+
+}  // namespace rosefusion::datasets

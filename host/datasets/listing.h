@@ -1,0 +1,56 @@
+// What a folder reader finds out before any image is opened, and the readers' declarations.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/datasets/camera_source.h"
+#include "host/datasets/sequence.h"
+
+namespace rosefusion::datasets {
+
+struct FrameFiles {
+  double timestamp = 0;
+  std::filesystem::path depth;
+  std::filesystem::path colour;  ///< empty when the frame has none
+};
+
+struct Listing {
+  std::string format;
+  std::filesystem::path path;
+  std::vector<FrameFiles> frames;  ///< in the order of the files; ImageSequence sorts them by time
+  CameraSource camera;
+  double depth_units_per_metre = 0;
+  double seconds_per_stamp = 1;
+  Trajectory truth;
+  std::vector<std::string> notes;
+  std::vector<std::string> warnings;
+};
+
+/// A reader: `matches` looks at names only and never throws; `list` throws InputError for unusable lists.
+struct Reader {
+  const char* format;
+  const char* looks_for;  ///< for the error about an unknown folder
+  bool (*matches)(const std::filesystem::path& folder);
+  Listing (*list)(const std::filesystem::path& folder);
+};
+
+extern const Reader kPngFolderReader;
+extern const Reader kEth3dReader;
+extern const Reader kIclNuimReader;
+extern const Reader kTumReader;
+extern const Reader kSevenScenesReader;
+extern const Reader kReplicaReader;
+extern const Reader kFastCaMoReader;
+
+/// Layout shared by TUM RGB-D and ETH3D: depth.txt, rgb.txt, associations, groundtruth.txt. `camera` is what
+/// to use without a calibration.txt.
+Listing listTumLayout(const std::filesystem::path& folder, const std::string& format,
+                      const CameraSource& camera);
+
+/// The release's packed file: int32 frames, height, width, then per frame uint16 millimetres and BGR bytes.
+/// Throws InputError when the file's size is not what its header says.
+std::unique_ptr<Sequence> openPackedSeq(const std::filesystem::path& file, const SequenceOptions& options);
+
+}  // namespace rosefusion::datasets

@@ -1,0 +1,153 @@
+// Any folder of PNGs, described by a sequence.yaml that lies in it.
+#include <fnmatch.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <set>
+
+#include "host/datasets/listing.h"
+#include "host/datasets/text_table.h"
+#include "host/datasets/truth.h"
+#include "host/error.h"
+
+namespace rosefusion::datasets {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Orders image9 before image10: runs of digits compare as numbers.
+bool naturalLess(const std::string& a, const std::string& b) {
+  const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (!digit(a[i]) || !digit(b[j])) {
+      if (a[i] != b[j]) return a[i] < b[j];
+      ++i, ++j;
+      continue;
+    }
+    while (i + 1 < a.size() && a[i] == '0' && digit(a[i + 1])) ++i;
+    while (j + 1 < b.size() && b[j] == '0' && digit(b[j + 1])) ++j;
+    std::size_t end_i = i, end_j = j;
+    while (end_i < a.size() && digit(a[end_i])) ++end_i;
+    while (end_j < b.size() && digit(b[end_j])) ++end_j;
+    if (end_i - i != end_j - j) return end_i - i < end_j - j;
+    if (const int order = a.compare(i, end_i - i, b, j, end_j - j); order != 0) return order < 0;
+    i = end_i, j = end_j;
+  }
+  return a.size() - i < b.size() - j;
+}
+
+/// Files that match a pattern such as depth/*.png (wildcards in the last part only), in natural order.
+std::vector<fs::path> filesMatching(const fs::path& folder, const std::string& pattern,
+                                    const fs::path& yaml) {
+  const fs::path full = folder / pattern;
+  std::vector<fs::path> files;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(full.parent_path(), ignored))
+    if (fnmatch(full.filename().c_str(), entry.path().filename().c_str(), 0) == 0)
+      files.push_back(entry.path());
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return naturalLess(a.filename().string(), b.filename().string());
+  });
+  if (files.empty())
+    throw InputError(yaml.string() + ": no file matches '" + pattern +
+                     "'; correct the pattern (wildcards in the file name only).");
+  return files;
+}
+
+/// The value of a key, converted. Throws InputError naming the key when it is required and missing, or
+/// malformed.
+template <typename T>
+T valueOf(const YAML::Node& node, const std::string& key, const fs::path& yaml) {
+  if (!node[key])
+    throw InputError(yaml.string() + ": '" + key + "' is missing; see the README for the keys.");
+  try {
+    return node[key].as<T>();
+  } catch (const YAML::Exception&) {
+    throw InputError(yaml.string() + ": the value of '" + key +
+                     "' has the wrong type; see the README for the keys.");
+  }
+}
+
+void refuseUnknownKeys(const YAML::Node& node, const std::set<std::string>& known, const fs::path& yaml) {
+  std::string names;
+  for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
+  if (!node.IsMap()) throw InputError(yaml.string() + ": expected a map with the keys " + names + ".");
+  for (const auto& entry : node)
+    if (const auto key = entry.first.as<std::string>(); !known.contains(key))
+      throw InputError(yaml.string() + ": unknown key '" + key + "'; known are " + names + ".");
+}
+
+/// The number a file is named after: 1305031229.528784.png -> 1305031229.528784.
+double stampFromName(const fs::path& file, const fs::path& yaml) {
+  double stamp = 0;
+  if (!parseNumber(file.stem().string(), stamp) || !std::isfinite(stamp))
+    throw InputError(yaml.string() +
+                     ": 'timestamps: names' needs files named after their time in seconds, but there is " +
+                     file.string() + "; give 'fps' instead.");
+  return stamp;
+}
+
+bool matches(const fs::path& folder) {
+  return fs::is_regular_file(folder / "sequence.yaml");
+}
+
+Listing list(const fs::path& folder) {
+  const fs::path yaml = folder / "sequence.yaml";
+  YAML::Node node;
+  try {
+    node = YAML::LoadFile(yaml.string());
+  } catch (const YAML::Exception& error) {
+    throw InputError(yaml.string() + ": not valid YAML (" + error.what() + ").");
+  }
+  refuseUnknownKeys(
+      node, {"intrinsics", "depth_units_per_metre", "fps", "timestamps", "depth", "colour", "trajectory"},
+      yaml);
+  Listing listing{.format = kPngFolderReader.format, .path = folder};
+  const auto camera = valueOf<YAML::Node>(node, "intrinsics", yaml);
+  refuseUnknownKeys(camera, {"fx", "fy", "cx", "cy", "width", "height"}, yaml);
+  Intrinsics& k = listing.camera.values;
+  k.fx = valueOf<double>(camera, "fx", yaml);
+  k.fy = valueOf<double>(camera, "fy", yaml);
+  k.cx = valueOf<double>(camera, "cx", yaml);
+  k.cy = valueOf<double>(camera, "cy", yaml);
+  if (camera["width"]) k.width = valueOf<int>(camera, "width", yaml);
+  if (camera["height"]) k.height = valueOf<int>(camera, "height", yaml);
+  listing.camera.source = yaml.string();
+  listing.depth_units_per_metre = valueOf<double>(node, "depth_units_per_metre", yaml);
+
+  const auto depth = filesMatching(folder, valueOf<std::string>(node, "depth", yaml), yaml);
+  std::vector<fs::path> colour(depth.size());
+  if (node["colour"]) colour = filesMatching(folder, valueOf<std::string>(node, "colour", yaml), yaml);
+  if (colour.size() != depth.size())
+    throw InputError(yaml.string() + ": " + std::to_string(depth.size()) + " depth but " +
+                     std::to_string(colour.size()) +
+                     " colour images; they are paired in order, so remove those without a partner.");
+  const bool stamps_from_names =
+      node["timestamps"] && valueOf<std::string>(node, "timestamps", yaml) == "names";
+  if (node["timestamps"] && !stamps_from_names)
+    throw InputError(yaml.string() +
+                     ": 'timestamps' can only be 'names'; leave it out and give 'fps' instead.");
+  const double fps = stamps_from_names ? 1 : valueOf<double>(node, "fps", yaml);
+  if (!std::isfinite(fps) || fps <= 0) throw InputError(yaml.string() + ": 'fps' must be a number above 0.");
+  for (std::size_t i = 0; i < depth.size(); ++i)
+    listing.frames.push_back(
+        {stamps_from_names ? stampFromName(depth[i], yaml) : static_cast<double>(i) / fps, depth[i],
+         colour[i]});
+
+  if (node["trajectory"]) {
+    const fs::path file = folder / valueOf<std::string>(node, "trajectory", yaml);
+    if (!fs::is_regular_file(file))
+      throw InputError(yaml.string() + ": 'trajectory' names " + file.string() + ", which is missing.");
+    listing.truth = readTruth(file, listing.warnings);
+  }
+  return listing;
+}
+
+}  // namespace
+
+const Reader kPngFolderReader{"PNG folder", "sequence.yaml (any folder of PNGs)", matches, list};
+
+}  // namespace rosefusion::datasets

@@ -1,0 +1,90 @@
+// Replica as NICE-SLAM renders and stores it: results/depthNNNNNN.png, results/frameNNNNNN.jpg, traj.txt of
+// row-major 4x4 camera-to-world matrices, and cam_params.json in the scene's folder or the one above it.
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "host/datasets/listing.h"
+#include "host/datasets/text_table.h"
+#include "host/datasets/truth.h"
+#include "host/error.h"
+
+namespace rosefusion::datasets {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kFramesPerSecond = 30;
+const std::regex kDepthName("depth([0-9]{1,9})\\.png");
+
+bool matches(const fs::path& folder) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder / "results", ignored))
+    if (std::regex_match(entry.path().filename().string(), kDepthName)) return true;
+  return false;
+}
+
+void readCamera(Listing& listing) {
+  listing.camera = {{1200, 680, 600.0, 600.0, 599.5, 339.5}, "the Replica (NICE-SLAM) convention", true};
+  listing.depth_units_per_metre = 6553.5;
+  const fs::path folder = fs::weakly_canonical(listing.path);
+  for (const fs::path& file : {folder / "cam_params.json", folder.parent_path() / "cam_params.json"}) {
+    if (!fs::is_regular_file(file)) continue;
+    std::ifstream in(file);
+    try {
+      const nlohmann::json camera = nlohmann::json::parse(in).at("camera");
+      listing.camera = {{camera.at("w"), camera.at("h"), camera.at("fx"), camera.at("fy"), camera.at("cx"),
+                         camera.at("cy")},
+                        file.string(),
+                        false};
+      listing.depth_units_per_metre = camera.at("scale");
+    } catch (const nlohmann::json::exception& error) {
+      throw InputError(file.string() + ": expected {\"camera\": {w, h, fx, fy, cx, cy, scale}} (" +
+                       error.what() + ").");
+    }
+    return;
+  }
+}
+
+void readPoses(Listing& listing) {
+  const fs::path file = listing.path / "traj.txt";
+  if (!fs::is_regular_file(file)) return;
+  std::string first;
+  std::size_t skipped = 0, row_number = 0;
+  for (const TextRow& row : readTextTable(file).rows) {
+    std::vector<double> numbers(row.fields.size());
+    bool good = true;
+    for (std::size_t i = 0; i < numbers.size(); ++i) good = parseNumber(row.fields[i], numbers[i]) && good;
+    Pose pose;
+    if (good && poseFromMatrix(numbers, pose))
+      listing.truth.push_back({static_cast<double>(row_number) / kFramesPerSecond, pose});
+    else if (skipped++ == 0)
+      first = "line " + std::to_string(row.line) + " is not a finite rigid 4x4 pose";
+    ++row_number;
+  }
+  if (skipped > 0) listing.warnings.push_back(skippedLines(file, skipped, first));
+}
+
+Listing list(const fs::path& folder) {
+  Listing listing{.format = kReplicaReader.format, .path = folder};
+  readCamera(listing);
+  for (const auto& entry : fs::directory_iterator(folder / "results")) {
+    const std::string name = entry.path().filename().string();
+    std::smatch match;
+    if (!std::regex_match(name, match, kDepthName)) continue;
+    fs::path colour = folder / "results" / ("frame" + match[1].str() + ".jpg");
+    if (!fs::exists(colour)) colour.clear();
+    listing.frames.push_back({std::stol(match[1].str()) / kFramesPerSecond, entry.path(), colour});
+  }
+  std::sort(listing.frames.begin(), listing.frames.end(),
+            [](const FrameFiles& a, const FrameFiles& b) { return a.timestamp < b.timestamp; });
+  readPoses(listing);
+  return listing;
+}
+
+}  // namespace
+
+const Reader kReplicaReader{"Replica (NICE-SLAM)", "results/depthNNNNNN.png (Replica)", matches, list};
+
+}  // namespace rosefusion::datasets

@@ -1,0 +1,78 @@
+#include "host/datasets/sequence.h"
+
+#include <algorithm>
+#include <array>
+
+#include "host/datasets/image_sequence.h"
+#include "host/error.h"
+
+namespace rosefusion {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace datasets;
+
+/// The first that matches reads the folder, so the more special layouts come first; TUM takes any association
+/// file.
+const std::array<const Reader*, 7> kReaders{&kPngFolderReader, &kEth3dReader, &kIclNuimReader,
+                                            &kFastCaMoReader,  &kTumReader,   &kSevenScenesReader,
+                                            &kReplicaReader};
+
+const Reader* findReader(const fs::path& folder) {
+  const auto found = std::find_if(kReaders.begin(), kReaders.end(),
+                                  [&](const Reader* reader) { return reader->matches(folder); });
+  return found == kReaders.end() ? nullptr : *found;
+}
+
+std::vector<fs::path> packedFilesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file() && entry.path().extension() == ".seq") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// Data sets are often unpacked one folder deeper than expected: a subfolder that would open, or empty.
+fs::path usableSubfolder(const fs::path& folder) {
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_directory() && findReader(entry.path())) found.push_back(entry.path());
+  return found.empty() ? fs::path() : *std::min_element(found.begin(), found.end());
+}
+
+[[noreturn]] void refuseUnknown(const fs::path& folder) {
+  if (const fs::path inner = usableSubfolder(folder); !inner.empty())
+    throw InputError(folder.string() + ": holds no sequence itself; give a folder in it, such as " +
+                     inner.string() + ".");
+  std::string looked_for = "a packed .seq file (FastCaMo)";
+  for (const Reader* reader : kReaders) looked_for += std::string(", ") + reader->looks_for;
+  throw InputError(folder.string() + ": no known sequence layout; looked for " + looked_for +
+                   "; write a sequence.yaml beside the images to use other layouts.");
+}
+
+}  // namespace
+
+std::unique_ptr<Sequence> openSequence(const fs::path& path, const SequenceOptions& options) {
+  try {
+    if (!fs::exists(path)) throw InputError(path.string() + ": no such file or folder; check the path.");
+    if (!fs::is_directory(path)) {
+      if (path.extension() == ".seq") return openPackedSeq(path, options);
+      throw InputError(path.string() + ": is a file; give the sequence's folder, or a packed .seq file.");
+    }
+    if (fs::is_empty(path))
+      throw InputError(path.string() + ": the folder is empty; check that the data was unpacked here.");
+    if (const Reader* reader = findReader(path))
+      return std::make_unique<ImageSequence>(reader->list(path), options);
+    const std::vector<fs::path> packed = packedFilesIn(path);
+    if (packed.size() > 1)
+      throw InputError(path.string() + ": holds " + std::to_string(packed.size()) +
+                       " .seq files; give one of them, such as " + packed[0].string() + ".");
+    if (packed.size() == 1) return openPackedSeq(packed[0], options);
+  } catch (const fs::filesystem_error& error) {
+    throw InputError(path.string() + ": cannot be read (" + error.code().message() +
+                     "); check the permissions.");
+  }
+  refuseUnknown(path);
+}
+
+}  // namespace rosefusion

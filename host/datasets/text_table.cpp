@@ -1,0 +1,75 @@
+#include "host/datasets/text_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "host/error.h"
+
+namespace rosefusion::datasets {
+
+TextTable readTextTable(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  if (!in) throw InputError(file.string() + ": cannot be opened; check that it is a readable file.");
+  TextTable table;
+  std::string line;
+  for (int number = 1; std::getline(in, line); ++number) {
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream fields(line);
+    TextRow row{number, {}};
+    for (std::string field; fields >> field;) row.fields.push_back(field);
+    if (row.fields.empty()) continue;
+    if (row.fields[0][0] == '#')
+      table.comments += line + '\n';
+    else
+      table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+bool parseNumber(const std::string& field, double& value) {
+  char* end = nullptr;
+  value = std::strtod(field.c_str(), &end);
+  return !field.empty() && *end == '\0';
+}
+
+std::vector<double> readNumbers(const std::filesystem::path& file) {
+  std::vector<double> numbers;
+  for (const TextRow& row : readTextTable(file).rows)
+    for (const std::string& field : row.fields) {
+      numbers.emplace_back();
+      if (!parseNumber(field, numbers.back()))
+        throw InputError(file.string() + ":" + std::to_string(row.line) + ": '" + field +
+                         "' is not a number; correct the file.");
+    }
+  return numbers;
+}
+
+std::vector<StampedFile> readStampedFiles(const std::filesystem::path& list,
+                                          std::vector<std::string>& warnings) {
+  std::vector<StampedFile> files;
+  std::size_t skipped = 0;
+  std::string first;
+  for (const TextRow& row : readTextTable(list).rows) {
+    double stamp = 0;
+    if (row.fields.size() == 2 && parseNumber(row.fields[0], stamp) && std::isfinite(stamp)) {
+      files.push_back({stamp, row.fields[1]});
+    } else if (skipped++ == 0) {
+      first = "line " + std::to_string(row.line) + " is not 'timestamp file'";
+    }
+  }
+  if (files.empty())
+    throw InputError(list.string() +
+                     ": lists no images; each line should read 'timestamp file' with the time in seconds.");
+  if (skipped > 0) warnings.push_back(skippedLines(list, skipped, first));
+  return files;
+}
+
+std::string skippedLines(const std::filesystem::path& list, std::size_t count, const std::string& first) {
+  return list.string() + ": " + std::to_string(count) + (count == 1 ? " line" : " lines") + " skipped (" +
+         first + ").";
+}
+
+}  // namespace rosefusion::datasets

@@ -1,0 +1,42 @@
+// Small text files: whitespace-separated fields, '#' comments, CRLF tolerated.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace rosefusion::datasets {
+
+struct TextRow {
+  int line = 0;  ///< 1-based, for messages
+  std::vector<std::string> fields;
+};
+
+struct TextTable {
+  std::vector<TextRow> rows;
+  std::string comments;  ///< all comment lines, joined
+};
+
+/// Splits at blanks and commas. Throws InputError when the file cannot be opened.
+TextTable readTextTable(const std::filesystem::path& file);
+
+/// True when the whole field is one number (finite or not).
+bool parseNumber(const std::string& field, double& value);
+
+/// Every number of the file in reading order. Throws InputError naming the line of a field that is no number.
+std::vector<double> readNumbers(const std::filesystem::path& file);
+
+/// One line 'stamp path' of a list such as depth.txt.
+struct StampedFile {
+  double timestamp = 0;
+  std::string file;
+};
+
+/// Reads a list. Malformed lines are skipped with one warning for all of them; throws InputError when no line
+/// is good.
+std::vector<StampedFile> readStampedFiles(const std::filesystem::path& list,
+                                          std::vector<std::string>& warnings);
+
+/// "LIST: N lines skipped, the first ..." - the one wording for lines left out.
+std::string skippedLines(const std::filesystem::path& list, std::size_t count, const std::string& first);
+
+}  // namespace rosefusion::datasets

@@ -1,0 +1,93 @@
+// TUM RGB-D (Sturm et al., IROS 2012): depth.txt, rgb.txt, groundtruth.txt; depth in 1/5000 m.
+#include <cctype>
+#include <map>
+#include <regex>
+
+#include "host/datasets/association.h"
+#include "host/datasets/listing.h"
+#include "host/datasets/text_table.h"
+#include "host/datasets/truth.h"
+
+namespace rosefusion::datasets {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kUnitsPerMetre = 5000;
+
+/// 1, 2 or 3 when the text names one of the three cameras the data set was recorded with, else 0.
+int freiburgNumber(const std::string& text) {
+  static const std::regex kName("(freiburg|fr)([123])(?![0-9])", std::regex::icase);
+  std::smatch match;
+  return std::regex_search(text, match, kName) ? match[2].str()[0] - '0' : 0;
+}
+
+std::string nameOf(const fs::path& folder) {
+  return fs::weakly_canonical(folder).filename().string();
+}
+
+/// The published calibration of the camera that the folder's name, or the list's comments, tell of.
+CameraSource conventionalCamera(const fs::path& folder) {
+  int camera = freiburgNumber(nameOf(folder));
+  if (camera == 0 && fs::exists(folder / "depth.txt"))
+    camera = freiburgNumber(readTextTable(folder / "depth.txt").comments);
+  const std::string source = "TUM freiburg" + std::to_string(camera) + " by name";
+  switch (camera) {
+    case 1:
+      return {{640, 480, 517.3, 516.5, 318.6, 255.3}, source, true};
+    case 2:
+      return {{640, 480, 520.9, 521.0, 325.1, 249.7}, source, true};
+    case 3:
+      return {{640, 480, 535.4, 539.2, 320.1, 247.6}, source, true};
+    default:
+      return {{640, 480, 525.0, 525.0, 319.5, 239.5}, "the ROS default for Kinect-like cameras", true};
+  }
+}
+
+void addColour(const fs::path& folder, Listing& listing) {
+  if (const fs::path file = findAssociationFile(folder); !file.empty()) {
+    std::map<fs::path, fs::path> colour_of_depth;
+    for (const FrameFiles& pair : readAssociations(file, listing.warnings).frames)
+      colour_of_depth[pair.depth.lexically_normal()] = pair.colour;
+    for (FrameFiles& frame : listing.frames)
+      if (const auto found = colour_of_depth.find(frame.depth.lexically_normal());
+          found != colour_of_depth.end())
+        frame.colour = found->second;
+  } else if (fs::exists(folder / "rgb.txt")) {
+    const std::vector<StampedFile> colours = readStampedFiles(folder / "rgb.txt", listing.warnings);
+    std::vector<double> depth_stamps, colour_stamps;
+    for (const FrameFiles& frame : listing.frames) depth_stamps.push_back(frame.timestamp);
+    for (const StampedFile& colour : colours) colour_stamps.push_back(colour.timestamp);
+    const auto nearest = associateNearest(depth_stamps, colour_stamps, kMaxColourOffset);
+    for (std::size_t i = 0; i < nearest.size(); ++i)
+      if (nearest[i]) listing.frames[i].colour = folder / colours[*nearest[i]].file;
+  }
+}
+
+bool matches(const fs::path& folder) {
+  return fs::is_regular_file(folder / "depth.txt") || !findAssociationFile(folder).empty();
+}
+
+Listing list(const fs::path& folder) {
+  return listTumLayout(folder, kTumReader.format, conventionalCamera(folder));
+}
+
+}  // namespace
+
+Listing listTumLayout(const fs::path& folder, const std::string& format, const CameraSource& camera) {
+  Listing listing{.format = format, .path = folder, .depth_units_per_metre = kUnitsPerMetre};
+  listing.camera = readCalibration(folder, listing.warnings).value_or(camera);
+  if (fs::exists(folder / "depth.txt")) {
+    for (const StampedFile& depth : readStampedFiles(folder / "depth.txt", listing.warnings))
+      listing.frames.push_back({depth.timestamp, folder / depth.file, {}});
+    addColour(folder, listing);
+  } else {
+    listing.frames = readAssociations(findAssociationFile(folder), listing.warnings).frames;
+  }
+  listing.truth = readTruth(folder / "groundtruth.txt", listing.warnings);
+  return listing;
+}
+
+const Reader kTumReader{"TUM RGB-D", "depth.txt or associations.txt (TUM RGB-D)", matches, list};
+
+}  // namespace rosefusion::datasets
