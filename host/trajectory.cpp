@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iomanip>
 #include <sstream>
+#include <system_error>
 
 #include "host/error.h"
 #include "host/file_io.h"
@@ -13,6 +14,9 @@ namespace rosefusion {
 
 Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsorted,
                              std::vector<std::string>* skipped) {
+  std::error_code unknown;
+  if (std::filesystem::is_directory(file, unknown))
+    throw InputError(file.string() + ": is a folder; give a trajectory file in TUM format.");
   std::ifstream in(file);
   if (!in) throw InputError(file.string() + ": cannot be opened; give a trajectory file in TUM format.");
   Trajectory trajectory;
@@ -31,6 +35,8 @@ Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsort
       value = good ? std::strtod(token.c_str(), &end) : 0;
       good = good && end && *end == '\0';
     }
+    std::string surplus;
+    good = good && !(fields >> surplus);  // longer lines are another format, such as KITTI's 3x4 matrices
     const std::string where = file.string() + ":" + std::to_string(number);
     const Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
     std::string problem;
@@ -82,6 +88,7 @@ bool interpolate(const Trajectory& trajectory, double t, double max_gap, Pose& w
   const double gap = b.timestamp - a.timestamp;
   if (gap > max_gap && t != b.timestamp) return false;
   const double s = gap > 0 ? (t - a.timestamp) / gap : 1;
+  world_from_camera = Pose::Identity();
   const Eigen::Quaterniond qa(a.world_from_camera.linear()), qb(b.world_from_camera.linear());
   world_from_camera.linear() = qa.slerp(s, qb).toRotationMatrix();
   world_from_camera.translation() =
