@@ -1,0 +1,140 @@
+// Mesh files: assimp reads every format; PLY is written here, because assimp 5.2 (Debian 12) writes binary
+// PLY colours as floats under a header that says uchar.
+#include "host/export/mesh_io.h"
+
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <bit>
+#include <cmath>
+#include <string>
+#include <system_error>
+
+#include "host/error.h"
+#include "host/file_io.h"
+
+namespace rosefusion {
+namespace {
+
+std::uint8_t toByte(float channel) {
+  return static_cast<std::uint8_t>(std::lround(std::clamp(channel, 0.0f, 1.0f) * 255));
+}
+
+void append(const aiMesh& part, bool with_normals, bool with_colours, TriangleMesh& mesh) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  for (unsigned i = 0; i < part.mNumVertices; ++i) {
+    const aiVector3D& v = part.mVertices[i];
+    mesh.vertices.emplace_back(v.x, v.y, v.z);
+    if (with_normals) mesh.normals.emplace_back(part.mNormals[i].x, part.mNormals[i].y, part.mNormals[i].z);
+    if (with_colours) {
+      const aiColor4D& c = part.mColors[0][i];
+      mesh.colours.push_back({toByte(c.r), toByte(c.g), toByte(c.b)});
+    }
+  }
+  for (unsigned i = 0; i < part.mNumFaces; ++i) {
+    const aiFace& face = part.mFaces[i];
+    if (face.mNumIndices != 3) continue;
+    mesh.triangles.push_back({first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]});
+  }
+}
+
+void requireValidIndices(const std::filesystem::path& file, const aiScene& scene) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& part = *scene.mMeshes[m];
+    for (unsigned i = 0; i < part.mNumFaces; ++i) {
+      const aiFace& face = part.mFaces[i];
+      if (!std::all_of(face.mIndices, face.mIndices + face.mNumIndices,
+                       [&](unsigned index) { return index < part.mNumVertices; }))
+        throw InputError(file.string() +
+                         ": the mesh is damaged (a face names a vertex that is not there); "
+                         "export or download it again.");
+    }
+  }
+}
+
+std::string plyHeader(const TriangleMesh& mesh) {
+  std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                     std::to_string(mesh.vertices.size()) +
+                     "\nproperty float x\nproperty float y\nproperty float z\n";
+  if (!mesh.normals.empty()) text += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (!mesh.colours.empty()) text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  return text + "element face " + std::to_string(mesh.triangles.size()) +
+         "\nproperty list uchar int vertex_indices\nend_header\n";
+}
+
+void requireConsistent(const std::filesystem::path& file, const TriangleMesh& mesh) {
+  const std::size_t count = mesh.vertices.size();
+  const bool good = count > 0 && !mesh.triangles.empty() &&
+                    (mesh.normals.empty() || mesh.normals.size() == count) &&
+                    (mesh.colours.empty() || mesh.colours.size() == count) &&
+                    std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
+                                [&](const auto& t) { return t[0] < count && t[1] < count && t[2] < count; });
+  if (!good)
+    throw InputError(file.string() +
+                     ": not written, because the mesh has no triangles or its parts disagree in length; "
+                     "reconstruct or load a surface first.");
+}
+
+}  // namespace
+
+TriangleMesh readMesh(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error))
+    throw InputError(file.string() + ": no such mesh file; give a PLY, OBJ, STL or glTF file.");
+  Assimp::Importer importer;
+  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+  const aiScene* scene = importer.ReadFile(file.string(), 0);
+  // assimp's own steps follow indices without looking, so that a damaged file must be caught before them.
+  if (scene) {
+    requireValidIndices(file, *scene);
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices |
+                                         aiProcess_JoinIdenticalVertices | aiProcess_SortByPType);
+  }
+  TriangleMesh mesh;
+  if (scene) {
+    bool with_normals = true, with_colours = true;
+    for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
+      with_normals = with_normals && scene->mMeshes[i]->HasNormals();
+      with_colours = with_colours && scene->mMeshes[i]->HasVertexColors(0);
+    }
+    for (unsigned i = 0; i < scene->mNumMeshes; ++i)
+      append(*scene->mMeshes[i], with_normals, with_colours, mesh);
+  }
+  const std::string reason = importer.GetErrorString();
+  if (!scene && reason.find("no meshes") == std::string::npos && !reason.empty())
+    throw InputError(file.string() + ": not a readable mesh (" + reason +
+                     "); convert it to PLY, OBJ, STL or glTF.");
+  if (mesh.triangles.empty())
+    throw InputError(file.string() + ": the mesh has no triangles; export it as a triangulated surface.");
+  if (!std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const auto& v) { return v.allFinite(); }))
+    throw InputError(file.string() + ": the mesh has vertices that are not finite; repair it first.");
+  return mesh;
+}
+
+void writePly(const std::filesystem::path& file, const TriangleMesh& mesh) {
+  requireConsistent(file, mesh);
+  static_assert(std::endian::native == std::endian::little,
+                "the values below are copied as they lie in memory");
+  std::string bytes = plyHeader(mesh);
+  const std::size_t vertex_size = 12 + (mesh.normals.empty() ? 0 : 12) + (mesh.colours.empty() ? 0 : 3),
+                    triangle_size = 13;
+  bytes.reserve(bytes.size() + mesh.vertices.size() * vertex_size + mesh.triangles.size() * triangle_size);
+  const auto add = [&](const void* data, std::size_t size) {
+    bytes.append(static_cast<const char*>(data), size);
+  };
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    add(mesh.vertices[i].data(), 12);
+    if (!mesh.normals.empty()) add(mesh.normals[i].data(), 12);
+    if (!mesh.colours.empty()) add(mesh.colours[i].data(), 3);
+  }
+  for (const auto& triangle : mesh.triangles) {
+    bytes.push_back(3);
+    add(triangle.data(), 12);
+  }
+  writeFileAtomically(file, bytes);
+}
+
+}  // namespace rosefusion
