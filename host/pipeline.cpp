@@ -1,0 +1,157 @@
+#include "host/pipeline.h"
+
+#include <chrono>
+#include <cstdio>
+
+#include "host/error.h"
+#include "host/shader_types.h"
+
+namespace rosefusion {
+namespace {
+
+/// Adds the time from its construction to its end.
+class StageTimer {
+ public:
+  explicit StageTimer(double& milliseconds) : milliseconds_(milliseconds) {}
+  ~StageTimer() { milliseconds_ += std::chrono::duration<double, std::milli>(Clock::now() - start_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double& milliseconds_;
+  Clock::time_point start_ = Clock::now();
+};
+
+VolumeOptions volumeOptions(const Settings& s) {
+  return {static_cast<float>(s.volume.voxel_size), static_cast<float>(s.volume.truncation),
+          static_cast<float>(s.volume.max_weight), s.volume.colour, s.volume.memory_limit_mb << 20};
+}
+
+TemplateSet templatesFor(const Settings& s) {
+  TemplateOptions options;
+  options.sizes.clear();
+  for (const SwarmLevel& level : s.swarm.levels) options.sizes.push_back(level.particles);
+  options.count = s.tracking.templates_per_level;
+  options.seed = s.tracking.seed;
+  return loadOrGenerate(defaultTemplateCache(options), options);
+}
+
+std::string percent(double share) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.0f %%", 100 * share);
+  return text;
+}
+
+/// The status that the numbers speak for, and why.
+void judge(const TrackingSettings& limits, FrameResult& result) {
+  const PoseScore& score = result.score;
+  result.status = TrackingStatus::Tracked;
+  if (score.valid_share < limits.min_valid_share) {
+    result.status = TrackingStatus::Lost;
+    result.reason = "only " + percent(score.valid_share) + " of the pixels have valid depth";
+  } else if (score.overlap == 0) {
+    result.status = TrackingStatus::Lost;
+    result.reason = "no pixel overlaps the last frame";
+  } else if (score.residual > limits.lost_residual) {
+    result.status = TrackingStatus::Lost;
+    result.reason = "the depth misses the model by " + percent(score.residual) + " of the truncation";
+  } else if (score.overlap < limits.uncertain_overlap) {
+    result.status = TrackingStatus::Uncertain;
+    result.reason = "only " + percent(score.overlap) + " of the pixels overlap the last frame";
+  } else if (score.residual > limits.uncertain_residual) {
+    result.status = TrackingStatus::Uncertain;
+    result.reason = "the depth misses the model by " + percent(score.residual) + " of the truncation";
+  }
+}
+
+std::vector<std::uint32_t> packColour(const cv::Mat& bgr) {
+  std::vector<std::uint32_t> rgb;
+  rgb.reserve(bgr.total());
+  for (int row = 0; row < bgr.rows; ++row)
+    for (int column = 0; column < bgr.cols; ++column) {
+      const auto& p = bgr.at<cv::Vec3b>(row, column);
+      rgb.push_back(p[2] | p[1] << 8 | p[0] << 16);
+    }
+  return rgb;
+}
+
+}  // namespace
+
+const char* toString(TrackingStatus status) {
+  return status == TrackingStatus::Tracked ? "tracked" : status == TrackingStatus::Uncertain ? "uncertain" : "lost";
+}
+
+Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& intrinsics, double depth_units_per_metre)
+    : device_(device),
+      settings_((requireConsistent(settings), settings)),
+      intrinsics_(intrinsics),
+      depth_units_per_metre_(depth_units_per_metre),
+      recorder_(device),
+      volume_(device, volumeOptions(settings)),
+      preprocess_(device, toShader(intrinsics)),
+      allocate_(device),
+      integrate_(device),
+      tracker_(device, settings, intrinsics, templatesFor(settings)) {}
+
+FrameResult Pipeline::processFrame(const Frame& frame) {
+  FrameResult result;
+  result.timestamp = frame.timestamp;
+  const StageTimer total(result.milliseconds.total);
+  {
+    const StageTimer timer(result.milliseconds.preprocess);
+    preprocess(frame);
+  }
+  {
+    const StageTimer timer(result.milliseconds.track);
+    track(result);
+  }
+  if (result.status == TrackingStatus::Lost) return result;
+  const StageTimer timer(result.milliseconds.integrate);
+  integrate(result.world_from_camera);
+  last_ = result.world_from_camera;
+  started_ = true;
+  return result;
+}
+
+void Pipeline::preprocess(const Frame& frame) {
+  const cv::Mat depth = frame.depth.isContinuous() ? frame.depth : frame.depth.clone();
+  if (depth.type() != CV_16UC1 || depth.cols != intrinsics_.width || depth.rows != intrinsics_.height)
+    throw InputError("A depth frame must be a 16-bit image of " + std::to_string(intrinsics_.width) + " x " +
+                     std::to_string(intrinsics_.height) + " pixels, as the camera was described.");
+  preprocess_.record(recorder_, {depth.ptr<std::uint16_t>(), depth.total()}, static_cast<float>(1 / depth_units_per_metre_),
+                     static_cast<float>(settings_.depth.min), static_cast<float>(settings_.depth.max));
+  recorder_.submit();
+  if (settings_.volume.colour && frame.colour.size() == depth.size() && frame.colour.type() == CV_8UC3)
+    preprocess_.setColour(packColour(frame.colour));
+  else
+    preprocess_.clearColour();
+}
+
+void Pipeline::track(FrameResult& result) {
+  result.world_from_camera = last_;
+  result.score = tracker_.score(preprocess_, volume_, last_, last_);
+  if (!started_) {
+    result.score.residual = 0;  // there is no model yet to differ from
+    judge(settings_.tracking, result);
+    return;
+  }
+  if (result.score.valid_share < settings_.tracking.min_valid_share) return judge(settings_.tracking, result);
+  const TrackResult found = tracker_.track(preprocess_, volume_, last_);
+  result.iterations = found.iterations;
+  result.lookups = found.lookups;
+  result.score = tracker_.score(preprocess_, volume_, found.world_from_camera, last_);
+  judge(settings_.tracking, result);
+  if (result.status != TrackingStatus::Lost) result.world_from_camera = found.world_from_camera;
+}
+
+void Pipeline::integrate(const Pose& world_from_camera) {
+  const auto camera = toShader(intrinsics_);
+  do {
+    allocate_.record(recorder_, volume_, preprocess_, camera, toShader(world_from_camera));
+    recorder_.submit();
+  } while (allocate_.finish(volume_));
+  integrate_.record(recorder_, volume_, preprocess_, camera, toShader(world_from_camera.inverse()),
+                    static_cast<float>(settings_.depth.max + settings_.volume.truncation));
+  recorder_.submit();
+}
+
+}  // namespace rosefusion

@@ -1,0 +1,68 @@
+// The reconstruction: depth frames in, poses and a growing model out.
+#pragma once
+#include <string>
+
+#include "engine/passes/allocate.h"
+#include "engine/passes/integrate.h"
+#include "host/frame.h"
+#include "host/tracker.h"
+
+namespace rosefusion {
+
+enum class TrackingStatus { Tracked, Uncertain, Lost };
+const char* toString(TrackingStatus status);
+
+struct StageMilliseconds {
+  double total = 0;
+  double preprocess = 0;
+  double track = 0;
+  double integrate = 0;
+};
+
+struct FrameResult {
+  double timestamp = 0;
+  /// World = the camera of the first fused frame. When lost: the last pose that was not.
+  Pose world_from_camera = Pose::Identity();
+  TrackingStatus status = TrackingStatus::Lost;
+  std::string reason;  ///< plain words; empty when tracked
+  PoseScore score;     ///< the numbers behind the status
+  int iterations = 0;
+  std::uint64_t lookups = 0;
+  StageMilliseconds milliseconds;
+};
+
+/// Owns the volume and the tracker; the Device must outlive it. One thread at a time.
+class Pipeline {
+ public:
+  /// Throws InputError for settings that do not go together and DeviceError when the device cannot hold them.
+  Pipeline(Device& device, const Settings& settings, const Intrinsics& intrinsics, double depth_units_per_metre);
+
+  /// Tracks and fuses one frame (see host/frame.h); colour may be empty. A lost frame is a result and is not fused.
+  /// Throws DeviceError (OutOfMemory) when the model outgrows the device: what was fused before stays whole.
+  FrameResult processFrame(const Frame& frame);
+
+  Device& device() { return device_; }
+  Volume& volume() { return volume_; }
+  const Settings& settings() const { return settings_; }
+  const Intrinsics& intrinsics() const { return intrinsics_; }
+
+ private:
+  void preprocess(const Frame& frame);
+  void track(FrameResult& result);
+  void integrate(const Pose& world_from_camera);
+
+  Device& device_;
+  Settings settings_;
+  Intrinsics intrinsics_;
+  double depth_units_per_metre_;
+  Recorder recorder_;
+  Volume volume_;
+  PreprocessPass preprocess_;
+  AllocatePass allocate_;
+  IntegratePass integrate_;
+  Tracker tracker_;
+  Pose last_ = Pose::Identity();
+  bool started_ = false;
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,100 @@
+#include "host/run/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+#include "host/evaluation/report_json.h"
+
+namespace rosefusion {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Value below which `share` of the values lie (nearest rank); null without values.
+Json quantile(std::vector<double> values, double share) {
+  if (values.empty()) return nullptr;
+  std::sort(values.begin(), values.end());
+  const auto rank = static_cast<std::size_t>(std::ceil(share * values.size()));
+  return values[std::clamp<std::size_t>(rank, 1, values.size()) - 1];
+}
+
+Json medianAndP95(const std::vector<double>& values) {
+  return {{"median", quantile(values, 0.5)}, {"p95", quantile(values, 0.95)}};
+}
+
+template <typename Get>
+std::vector<double> collect(const RunSummary& summary, bool searched_only, Get get) {
+  std::vector<double> values;
+  for (const RunFrame& f : summary.frames)
+    if (!f.skipped && (!searched_only || f.result.iterations > 0)) values.push_back(static_cast<double>(get(f.result)));
+  return values;
+}
+
+const char* toString(RunEnd end) {
+  return end == RunEnd::Finished ? "finished" : end == RunEnd::Interrupted ? "interrupted" : "device memory full";
+}
+
+std::string csvQuoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
+}  // namespace
+
+std::optional<TrajectoryErrors> errorsOf(const RunSummary& summary, const SequenceInfo& info) {
+  if (info.truth.empty()) return std::nullopt;
+  TrajectoryErrorOptions options;
+  options.sequence_frames = summary.frames.size();
+  return measureTrajectory(trajectoryOf(summary), info.truth, options);
+}
+
+Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& pipeline) {
+  const auto milliseconds = [&](double StageMilliseconds::* stage, bool searched) {
+    return medianAndP95(collect(summary, searched, [&](const FrameResult& r) { return r.milliseconds.*stage; }));
+  };
+  const DeviceInfo& device = pipeline.device().info();
+  Json report;
+  report["sequence"] = {{"path", info.path.string()}, {"format", info.format}};
+  report["device"] = {{"name", device.name}, {"driver", device.driver}, {"type", toString(device.type)}};
+  report["end"] = toString(summary.end);
+  report["frames"] = summary.frames.size();
+  report["tracked"] = summary.count(TrackingStatus::Tracked);
+  report["uncertain"] = summary.count(TrackingStatus::Uncertain);
+  report["lost"] = summary.count(TrackingStatus::Lost);
+  report["skipped"] = summary.skipped();
+  report["seconds"] = summary.seconds;
+  report["milliseconds"] = {{"total", milliseconds(&StageMilliseconds::total, false)},
+                            {"preprocess", milliseconds(&StageMilliseconds::preprocess, false)},
+                            {"track", milliseconds(&StageMilliseconds::track, true)},
+                            {"integrate", milliseconds(&StageMilliseconds::integrate, false)}};
+  report["iterations"] = medianAndP95(collect(summary, true, [](const FrameResult& r) { return r.iterations; }));
+  report["lookups_per_frame"] = {
+      {"median", quantile(collect(summary, true, [](const FrameResult& r) { return r.lookups; }), 0.5)}};
+  report["memory_bytes"] = {{"volume", pipeline.volume().memoryBytes()}, {"device", pipeline.device().allocatedBytes()}};
+  report["blocks"] = pipeline.volume().blockCount();
+  if (const auto errors = errorsOf(summary, info)) report.update(toJson(*errors));
+  return report;
+}
+
+std::string framesCsv(const RunSummary& summary) {
+  std::ostringstream out;
+  out << "frame,timestamp_s,status,reason,iterations,lookups,residual_truncations,overlap_share,valid_share,tx_m,ty_m,tz_m,"
+         "qx,qy,qz,qw,total_ms,preprocess_ms,track_ms,integrate_ms\n";
+  for (const RunFrame& f : summary.frames) {
+    const FrameResult& r = f.result;
+    const Eigen::Vector3d t = r.world_from_camera.translation();
+    const Eigen::Quaterniond q = canonical(Eigen::Quaterniond(r.world_from_camera.linear()));
+    out << f.index << ',' << std::fixed << std::setprecision(6) << r.timestamp << ','
+        << (f.skipped ? "skipped" : toString(r.status)) << ',' << csvQuoted(r.reason) << ',' << r.iterations << ',' << r.lookups
+        << ',' << r.score.residual << ',' << r.score.overlap << ',' << r.score.valid_share << ',' << t.x() << ',' << t.y() << ','
+        << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w() << std::setprecision(3) << ','
+        << r.milliseconds.total << ',' << r.milliseconds.preprocess << ',' << r.milliseconds.track << ','
+        << r.milliseconds.integrate << '\n';
+  }
+  return out.str();
+}
+
+}  // namespace rosefusion

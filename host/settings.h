@@ -1,0 +1,92 @@
+// Every setting of the reconstruction, and the one table behind YAML files, --set key=value and the viewer.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "host/swarm/swarm_settings.h"
+
+namespace rosefusion {
+
+struct DepthSettings {
+  double min = 0.1;
+  double max = 8.0;
+};
+
+struct VolumeSettings {
+  double voxel_size = 0.02;
+  double truncation = 0.06;
+  double max_weight = 128;
+  bool colour = true;
+  std::uint64_t memory_limit_mb = 0;
+};
+
+struct TrackingSettings {
+  bool overlap_only = true;
+  bool compensate = true;
+  std::uint64_t seed = 1;
+  int templates_per_level = 20;
+  double min_valid_share = 0.02;
+  double uncertain_overlap = 0.3;
+  double uncertain_residual = 0.35;
+  double lost_residual = 0.6;
+};
+
+struct MeshSettings {
+  double min_weight = 2;
+};
+
+struct Settings {
+  DepthSettings depth;
+  VolumeSettings volume;
+  SwarmSettings swarm;
+  TrackingSettings tracking;
+  MeshSettings mesh;
+};
+
+/// A setting whose value is one of a few words.
+struct ChoiceRef {
+  std::vector<std::string> words;
+  std::function<int()> get;
+  std::function<void(int)> set;
+};
+using FieldRef = std::variant<double*, int*, bool*, std::uint64_t*, std::vector<SwarmLevel>*, ChoiceRef>;
+
+/// One row of the table.
+struct SettingsField {
+  std::string key;   ///< "group.name", as in YAML and --set
+  std::string unit;  ///< empty for pure numbers
+  std::string help;
+  double min = 0;    ///< allowed range of numbers, inclusive
+  double max = 0;
+  std::function<FieldRef(Settings&)> ref;
+};
+
+/// The table, in the order in which files show it.
+const std::vector<SettingsField>& settingsTable();
+
+/// Sets one field from text. Throws InputError naming the key (with the nearest known key for an unknown one), what
+/// is allowed, and `source`, the file or option it came from.
+void setField(Settings& settings, std::string_view key, const std::string& value, const std::string& source);
+std::string fieldText(const Settings& settings, const SettingsField& field);
+
+/// Applies "key=value". Throws InputError.
+void applyAssignment(Settings& settings, const std::string& assignment);
+/// Applies the YAML file's fields over what is there. Throws InputError for unreadable files and unknown keys.
+void applyYamlFile(Settings& settings, const std::filesystem::path& file);
+void applyYamlText(Settings& settings, const std::string& text, const std::string& source);
+/// A preset's name ("default", "paper") or a YAML file, over the built-in defaults. Throws InputError.
+Settings loadSettings(const std::string& preset_or_file);
+std::vector<std::string> presetNames();
+
+/// All fields with their units and help as comments; applyYamlText reads it back to equal settings.
+std::string toYaml(const Settings& settings);
+
+/// Combinations that no single field's range catches. Throws InputError naming the settings.
+void requireConsistent(const Settings& settings);
+
+}  // namespace rosefusion
