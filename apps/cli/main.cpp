@@ -6,6 +6,8 @@
 #include <exception>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/exit_code.h"
+#include "engine/error.h"
 #include "host/error.h"
 
 namespace {
@@ -38,6 +40,11 @@ int main(int argc, char** argv) {
   spdlog::set_pattern("%^%l%$: %v");
   try {
     return runCommandLine(argc, argv);
+  } catch (const rosefusion::cli::ExitCode& exit) {
+    return exit.code;
+  } catch (const rosefusion::DeviceError& error) {
+    spdlog::error("{}", error.what());
+    return error.code() == rosefusion::DeviceErrorCode::Programming ? rosefusion::kExitFailure : rosefusion::kExitDevice;
   } catch (const rosefusion::InputError& error) {
     spdlog::error("{}", error.what());
     return rosefusion::kExitBadInput;

@@ -1,7 +1,142 @@
+// rosefusion run: a depth sequence in; trajectory, mesh, preview and report out.
+#include <spdlog/spdlog.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+
 #include "apps/cli/commands.h"
+#include "apps/cli/exit_code.h"
+#include "apps/cli/progress.h"
+#include "host/error.h"
+#include "host/file_io.h"
+#include "host/run/output.h"
+#include "host/run/report.h"
 
 namespace rosefusion::cli {
+namespace {
 
-void addRunCommand(CLI::App&) {}
+struct Options {
+  std::string sequence;
+  std::string out;
+  std::string config = "default";
+  std::vector<std::string> assignments;
+  std::string device;
+  std::string json;
+  std::vector<double> intrinsics;
+  double depth_scale = 0;
+  RunOptions run;
+  bool validation = false;
+};
+
+std::atomic<int> interruptions{0};
+
+void onInterrupt(int) {
+  // The first Ctrl-C asks the loop to end and the files to be written, the second gives up at once.
+  if (interruptions.fetch_add(1) > 0) std::_Exit(kExitInterrupted);
+}
+
+Settings settingsFor(const Options& o) {
+  Settings settings = loadSettings(o.config);
+  for (const std::string& assignment : o.assignments) applyAssignment(settings, assignment);
+  requireConsistent(settings);
+  return settings;
+}
+
+std::string outputFolder(const Options& o) {
+  if (!o.out.empty()) return o.out;
+  std::filesystem::path sequence = std::filesystem::absolute(o.sequence).lexically_normal();
+  if (!sequence.has_filename()) sequence = sequence.parent_path();
+  return (std::filesystem::path("out") / sequence.stem()).string();
+}
+
+void printSummary(const RunSummary& summary, const SequenceInfo& info, const std::string& out) {
+  std::printf("%zu frames in %.1f s: %zu tracked, %zu uncertain, %zu lost, %zu skipped.\n", summary.frames.size(), summary.seconds,
+              summary.count(TrackingStatus::Tracked), summary.count(TrackingStatus::Uncertain),
+              summary.count(TrackingStatus::Lost), summary.skipped());
+  for (const RunFrame& f : summary.frames)
+    if (!f.skipped && f.result.status == TrackingStatus::Lost) {
+      std::printf("First lost at frame %zu: %s.\n", f.index, f.result.reason.c_str());
+      break;
+    }
+  if (const auto errors = errorsOf(summary, info); errors && errors->common_poses > 0)
+    std::printf("Against the truth: ATE %.2f cm RMSE, %.2f cm mean; TE %.2f cm RMSE, %.0f %% of the frames under 5 cm.\n",
+                100 * errors->ate_m.rmse, 100 * errors->ate_m.mean, 100 * errors->te_m.rmse, 100 * errors->te_share[2]);
+  for (const char* file : kOutputFiles) std::printf("  %s\n", (std::filesystem::path(out) / file).c_str());
+}
+
+void run(const Options& o) {
+  const Settings settings = settingsFor(o);
+  SequenceOptions sequence_options;
+  sequence_options.colour = settings.volume.colour;
+  if (!o.intrinsics.empty())
+    sequence_options.intrinsics = Intrinsics{0, 0, o.intrinsics[0], o.intrinsics[1], o.intrinsics[2], o.intrinsics[3]};
+  if (o.depth_scale > 0) sequence_options.depth_units_per_metre = o.depth_scale;
+  const auto sequence = openSequence(o.sequence, sequence_options);
+  const SequenceInfo& info = sequence->info();
+  for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
+  if (info.intrinsics_assumed)
+    spdlog::warn("The intrinsics are assumed ({}); give them with --intrinsics if the result is bent.", info.intrinsics_source);
+
+  const std::string out = outputFolder(o);
+  OutputFolder folder(out);
+  Device device({o.device, o.validation});
+  spdlog::info("{}: {} frames, {}; on {}", info.path.string(), info.frames, info.format, device.info().name);
+  Pipeline pipeline(device, settings, info.intrinsics, info.depth_units_per_metre);
+
+  std::signal(SIGINT, onInterrupt);
+  std::signal(SIGTERM, onInterrupt);
+  RunSummary summary;
+  {
+    Progress progress("frames");
+    const auto show = [&](const RunProgress& p) {
+      progress.update(p.done, p.total, p.last->skipped ? "skipped" : toString(p.last->result.status));
+    };
+    summary = reconstruct(*sequence, pipeline, o.run, show, [] { return interruptions > 0; });
+  }
+  if (pipeline.volume().blockCount() == 0)
+    throw InputError(o.sequence + ": no frame could be used, so there is nothing to write; look at it with 'rosefusion check'.");
+  spdlog::info("writing {}", out);
+  folder.write(summary, info, pipeline);
+  writeJson(o.json, reportJson(summary, info, pipeline).dump(2));
+  printSummary(summary, info, out);
+  for (const std::string& message : device.validationMessages()) spdlog::error("{}", message);
+
+  if (summary.end == RunEnd::DeviceFull) {
+    spdlog::error("Ended at frame {} of {}: {}", summary.frames.size(), info.frames, summary.end_reason);
+    throw ExitCode(kExitDevice);
+  }
+  if (summary.end == RunEnd::Interrupted) {
+    spdlog::warn("Interrupted after {} frames; the files are complete up to there.", summary.frames.size());
+    throw ExitCode(kExitInterrupted);
+  }
+}
+
+}  // namespace
+
+void addRunCommand(CLI::App& app) {
+  auto o = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("run", "Reconstruct a depth sequence: trajectory, mesh, preview picture and report");
+  command->add_option("SEQUENCE", o->sequence,
+                      "Folder (TUM RGB-D, ETH3D, ICL-NUIM, 7-Scenes, Replica, FastCaMo, PNGs with sequence.yaml) or .seq file")
+      ->required();
+  command->add_option("--out", o->out, "Output folder (default: out/NAME)");
+  command->add_option("--config", o->config, "Preset (default, paper) or YAML file")->capture_default_str();
+  command->add_option("--set", o->assignments, "Change one setting: key=value; may be repeated")->allow_extra_args(false);
+  command->add_option("--device", o->device, "Device by index, name or type (see 'rosefusion devices')");
+  command->add_option("--stride", o->run.stride, "Take every K-th frame")->check(CLI::Range(1, 1000000));
+  command->add_option("--max-frames", o->run.max_frames, "Stop after N frames; 0: all");
+  command->add_option("--intrinsics", o->intrinsics, "fx fy cx cy in pixels, instead of the sequence's own")->expected(4);
+  command->add_option("--depth-scale", o->depth_scale, "Depth units per metre, instead of the sequence's own")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--json", o->json, "Also write the report here; '-': standard output");
+  command->add_flag("--validation", o->validation, "Run with the Vulkan validation layer (slow)");
+  command->footer(
+      "Examples:\n"
+      "  rosefusion run rgbd_dataset_freiburg1_desk --out out/desk\n"
+      "  rosefusion run my_room --config paper --stride 2 --set volume.voxel_size=0.01\n"
+      "Exit codes: 0 finished, 2 bad input, 3 device, 130 interrupted (the files are complete).");
+  command->callback([o] { run(*o); });
+}
 
 }  // namespace rosefusion::cli

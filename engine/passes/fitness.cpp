@@ -17,7 +17,7 @@ constexpr std::uint32_t kMaxSlices = 64;
 
 std::uint32_t slicesFor(const DeviceInfo& device, std::uint32_t particles) {
   if (device.type == DeviceType::Cpu) return 1;
-  return std::clamp(kWideInvocations / std::max(particles, 1u), 1u, kMaxSlices);
+  return std::clamp(kWideInvocations * kFitnessParticles / std::max(particles, 1u), 1u, kMaxSlices);
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectP
   buffers[kFitnessBindPoints] = &points.points();
   buffers[kFitnessBindCount] = &points.count();
   buffers[kFitnessBindPartial] = &partial_;
-  recorder.dispatchBytes(kernel, buffers, &params, sizeof(params), {swarm.particles, slices});
+  recorder.dispatchBytes(kernel, buffers, &params, sizeof(params), {(swarm.particles + kFitnessParticles - 1) / kFitnessParticles, slices});
   recorder.dispatch(reduce_, {&partial_, &points.count(), &loss_buffer_}, FitnessReduceParams{swarm.particles, slices},
                     {swarm.particles});
 }

@@ -23,26 +23,38 @@ layout(std430, binding = kFitnessBindCount) readonly restrict buffer Count { uin
 layout(std430, binding = kFitnessBindPartial) writeonly restrict buffer Partial { vec2 partial[]; };
 
 void main() {
-  uint particle = gl_GlobalInvocationID.x;
-  if (particle >= params.particles) return;
-  uint entry = 2u * (params.first_particle + particle);
-  vec3 shift = templates[entry].xyz * params.translation_lengths.xyz;
-  vec4 turn = quaternionOf(templates[entry + 1u].xyz * params.rotation_lengths.xyz);
-  mat3 rotation = rotationOf(turn) * mat3(params.world_from_camera);
-  vec3 translation = params.world_from_camera[3].xyz + shift;
-  // From metres in the world to voxels from the page table's corner.
-  rotation *= volume.scale.y;
-  translation = translation * volume.scale.y - vec3(volume.table_origin.xyz * kBlockSide);
+  // One invocation carries several particles, so that a point is fetched once for all of them.
+  uint share = (params.particles + kFitnessParticles - 1u) / kFitnessParticles;
+  uint first = gl_GlobalInvocationID.x;
+  if (first >= share) return;
+  mat3 rotation[kFitnessParticles];
+  vec3 translation[kFitnessParticles];
+  CompensatedSum loss[kFitnessParticles];
+  for (uint k = 0u; k < kFitnessParticles; ++k) {
+    // Past the end the last particle is repeated and its result dropped.
+    uint entry = 2u * (params.first_particle + min(first + k * share, params.particles - 1u));
+    vec4 turn = quaternionOf(templates[entry + 1u].xyz * params.rotation_lengths.xyz);
+    vec3 shift = templates[entry].xyz * params.translation_lengths.xyz;
+    // From metres in the camera to voxels from the page table's corner.
+    rotation[k] = rotationOf(turn) * mat3(params.world_from_camera) * volume.scale.y;
+    translation[k] = (params.world_from_camera[3].xyz + shift) * volume.scale.y - vec3(volume.table_origin.xyz * kBlockSide);
+    loss[k] = CompensatedSum(0.0, 0.0);
+  }
 
   uint total = count[0];
   uint slice = gl_WorkGroupID.y;
-  uint begin = uint(total * slice) / params.slices, end = uint(total * (slice + 1u)) / params.slices;
-  CompensatedSum loss = CompensatedSum(0.0, 0.0);
+  uint begin = total * slice / params.slices, end = total * (slice + 1u) / params.slices;
   for (uint i = begin; i < end; ++i) {
-    float psi = tsdfNearest(rotation * points[i].xyz + translation);
-    float term = kLoss == kLossSquared ? psi * psi : abs(psi);
-    if (kCompensate) add(loss, term);
-    else loss.sum += term;
+    vec3 point = points[i].xyz;
+    for (uint k = 0u; k < kFitnessParticles; ++k) {
+      float psi = tsdfNearest(rotation[k] * point + translation[k]);
+      float term = kLoss == kLossSquared ? psi * psi : abs(psi);
+      if (kCompensate) add(loss[k], term);
+      else loss[k].sum += term;
+    }
   }
-  partial[slice * params.particles + particle] = vec2(loss.sum, loss.lost);
+  for (uint k = 0u; k < kFitnessParticles; ++k) {
+    uint particle = first + k * share;
+    if (particle < params.particles) partial[slice * params.particles + particle] = vec2(loss[k].sum, loss[k].lost);
+  }
 }

@@ -1,0 +1,40 @@
+#include "apps/cli/progress.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+
+namespace rosefusion::cli {
+
+Progress::Progress(std::string unit) : unit_(std::move(unit)), terminal_(isatty(STDERR_FILENO) != 0) {}
+
+Progress::~Progress() {
+  if (drawn_) std::fputc('\n', stderr);
+}
+
+void Progress::update(std::size_t done, std::size_t total, const std::string& note) {
+  const auto now = Clock::now();
+  const double seconds = std::chrono::duration<double>(now - start_).count();
+  const double rate = seconds > 0 ? done / seconds : 0;
+  const auto left = static_cast<long>(rate > 0 ? (total - done) / rate + 0.5 : 0);
+  const char* separator = note.empty() ? "" : "  ";
+  if (terminal_) {
+    if (done < total && now - last_drawn_ < std::chrono::milliseconds(100)) return;
+    last_drawn_ = now;
+    drawn_ = true;
+    constexpr std::size_t kCells = 24;
+    const std::size_t filled = total ? kCells * done / total : 0;
+    const std::string bar = std::string(filled, '#') + std::string(kCells - filled, '.');
+    std::fprintf(stderr, "\r\033[K[%s] %zu/%zu %s  %.1f/s  ETA %ld:%02ld%s%s", bar.c_str(), done, total, unit_.c_str(), rate,
+                 left / 60, left % 60, separator, note.c_str());
+    std::fflush(stderr);
+    return;
+  }
+  const std::size_t tenth = total ? 10 * done / total : 0;
+  if (tenth == last_tenth_) return;
+  last_tenth_ = tenth;
+  std::fprintf(stderr, "%zu/%zu %s  %.1f/s  ETA %ld:%02ld%s%s\n", done, total, unit_.c_str(), rate, left / 60, left % 60,
+               separator, note.c_str());
+}
+
+}  // namespace rosefusion::cli
