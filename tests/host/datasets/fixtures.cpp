@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <fstream>
+#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 
 #include "host/datasets/sequence.h"
@@ -36,6 +37,11 @@ void TemporaryFolder::write(const std::string& file, std::string_view bytes) con
 void TemporaryFolder::writeImage(const std::string& file, const cv::Mat& image) const {
   fs::create_directories((path_ / file).parent_path());
   ASSERT_TRUE(cv::imwrite(text(file), image)) << text(file);
+}
+
+std::string TemporaryFolder::read(const std::string& file) const {
+  std::ifstream in(path_ / file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 void TemporaryFolder::truncate(const std::string& file, double share) const {

@@ -25,6 +25,7 @@ class TemporaryFolder {
 
   void write(const std::string& file, std::string_view bytes) const;
   void writeImage(const std::string& file, const cv::Mat& image) const;
+  std::string read(const std::string& file) const;
   /// Cuts a file to this share of its size.
   void truncate(const std::string& file, double share) const;
   void remove(const std::string& file) const;

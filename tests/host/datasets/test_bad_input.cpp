@@ -37,6 +37,15 @@ TEST(BadFrame, TruncatedPng) {
   }
 }
 
+TEST(BadFrame, DamageInTheMiddle) {
+  const TemporaryFolder folder;
+  makeTum(folder);
+  std::string bytes = folder.read(kSecondDepth);
+  bytes.replace(bytes.size() / 2, 16, 16, '\x55');
+  folder.write(kSecondDepth, bytes);
+  EXPECT_THAT(problemOfSecondFrame(folder), HasSubstr("damaged"));
+}
+
 TEST(BadFrame, EmptyMissingOrNoImage) {
   const TemporaryFolder folder;
   makeTum(folder);

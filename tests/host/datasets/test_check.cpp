@@ -3,9 +3,7 @@
 #include <sys/wait.h>
 
 #include <cstdlib>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "host/error.h"
 #include "tests/host/datasets/fixtures.h"
@@ -20,25 +18,20 @@ struct Outcome {
   std::string output, errors;
 };
 
-std::string contents(const std::string& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-Outcome check(const std::string& arguments) {
-  const TemporaryFolder scratch;
-  const std::string command = "'" ROSEFUSION_PROGRAM "' check " + arguments + " >'" + scratch.text("out") +
-                              "' 2>'" + scratch.text("err") + "'";
+Outcome check(const TemporaryFolder& scratch, const std::filesystem::path& sequence,
+              const std::string& arguments = "") {
+  std::string command = "'" ROSEFUSION_PROGRAM "' check '";
+  command += sequence.string() + "' " + arguments + " >'" + scratch.text("out") + "' 2>'" +
+             scratch.text("err") + "'";
   const int status = std::system(command.c_str());
-  return {WEXITSTATUS(status), contents(scratch.text("out")), contents(scratch.text("err"))};
+  return {WEXITSTATUS(status), scratch.read("out"), scratch.read("err")};
 }
 
 TEST(Check, AUsableSequenceExitsWithZero) {
   const TemporaryFolder folder("fr1_desk");
   makeTum(folder);
-  const Outcome run = check("'" + folder.path().string() + "'");
+  const TemporaryFolder scratch("scratch");
+  const Outcome run = check(scratch, folder.path());
   EXPECT_EQ(run.exit_code, kExitOk) << run.errors;
   EXPECT_THAT(run.output, AllOf(HasSubstr("TUM RGB-D"), HasSubstr("[warning] the intrinsics are assumed")));
 }
@@ -46,7 +39,8 @@ TEST(Check, AUsableSequenceExitsWithZero) {
 TEST(Check, JsonOnStandardOutputStaysParsable) {
   const TemporaryFolder folder;
   makeTum(folder);
-  const Outcome run = check("'" + folder.path().string() + "' --max-frames 2 --json -");
+  const TemporaryFolder scratch("scratch");
+  const Outcome run = check(scratch, folder.path(), "--max-frames 2 --json -");
   ASSERT_EQ(run.exit_code, kExitOk) << run.errors;
   const auto json = nlohmann::json::parse(run.output);
   EXPECT_EQ(json["usable"], true);
@@ -59,16 +53,19 @@ TEST(Check, JsonOnStandardOutputStaysParsable) {
 TEST(Check, AWrongDepthScaleIsRefusedAndStillReported) {
   const TemporaryFolder folder;
   makeTum(folder);
-  const Outcome run = check("'" + folder.path().string() + "' --depth-units-per-metre 100000 --json '" +
-                        folder.text("report/check.json") + "'");
+  const TemporaryFolder scratch("scratch");
+  const Outcome run =
+      check(scratch, folder.path(),
+            "--depth-units-per-metre 100000 --json '" + scratch.text("report/check.json") + "'");
   EXPECT_EQ(run.exit_code, kExitBadInput);
   EXPECT_THAT(run.output, HasSubstr("[error]"));
   EXPECT_THAT(run.errors, HasSubstr("not usable"));
-  EXPECT_EQ(nlohmann::json::parse(contents(folder.text("report/check.json")))["usable"], false);
+  EXPECT_EQ(nlohmann::json::parse(scratch.read("report/check.json"))["usable"], false);
 }
 
 TEST(Check, AMissingFolderIsOneSentence) {
-  const Outcome run = check("/nowhere/at/all");
+  const TemporaryFolder scratch("scratch");
+  const Outcome run = check(scratch, "/nowhere/at/all");
   EXPECT_EQ(run.exit_code, kExitBadInput);
   EXPECT_EQ(run.errors, "error: /nowhere/at/all: no such file or folder; check the path.\n");
 }

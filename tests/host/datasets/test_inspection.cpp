@@ -112,6 +112,8 @@ TEST(Inspection, LimitedImagesAreSpreadOverTheSequence) {
   EXPECT_THAT(looked_at, ::testing::ElementsAre(0, 25, 50, 75));
   EXPECT_EQ(last_done, 4u);
   EXPECT_EQ(r.images_read, 4u);
+  EXPECT_TRUE(inspectSequence(sequence, 1).usable())
+      << "looking at one image only is no defect of the sequence";
 }
 
 TEST(Findings, SuspiciousDepthScaleIsFatalAndSuggestsAnother) {
@@ -147,22 +149,22 @@ TEST(Findings, ASingleEmptyFrameIsAWarning) {
   const Inspection r = inspectSequence(sequence);
   EXPECT_EQ(r.empty_frames, 1u);
   EXPECT_EQ(r.worst_frame, 4u);
-  EXPECT_THAT(r.findings, says(false, "1 frames have no valid depth"));
+  EXPECT_THAT(r.findings, says(false, "1 frame without any valid depth"));
   EXPECT_TRUE(r.usable());
 }
 
 TEST(Findings, FrozenCameraIsFatalAndSomeCopiesAWarning) {
   MadeSequence frozen(20, [](std::size_t) { return ramp(0); });
-  EXPECT_THAT(inspectSequence(frozen).findings, says(true, "19 depth images are exact copies"));
+  EXPECT_THAT(inspectSequence(frozen).findings, says(true, "19 exact copies"));
   MadeSequence doubled(20, [](std::size_t index) { return ramp(index / 2); });
-  EXPECT_THAT(inspectSequence(doubled).findings, says(false, "10 depth images are exact copies"));
+  EXPECT_THAT(inspectSequence(doubled).findings, says(false, "10 exact copies"));
 }
 
 TEST(Findings, FlatImagesAreNoDepth) {
   MadeSequence mask(20, [](std::size_t index) {
     return cv::Mat(kHeight, kWidth, CV_16UC1, cv::Scalar(1000 + static_cast<int>(index)));
   });
-  EXPECT_THAT(inspectSequence(mask).findings, says(true, "20 frames have one and the same depth"));
+  EXPECT_THAT(inspectSequence(mask).findings, says(true, "20 frames with one and the same depth"));
 }
 
 TEST(Findings, UnreadableFrames) {
@@ -174,7 +176,7 @@ TEST(Findings, UnreadableFrames) {
   MadeSequence most(20, [](std::size_t index) { return index > 3 ? cv::Mat() : ramp(index); });
   EXPECT_THAT(inspectSequence(most).findings, says(true, "16 of 20"));
   MadeSequence single(1, ramp);
-  EXPECT_THAT(inspectSequence(single).findings, says(true, "only 1 depth images"));
+  EXPECT_THAT(inspectSequence(single).findings, says(true, "only 1 depth image can"));
 }
 
 TEST(Findings, GapsDoubledStampsAndOddRates) {
@@ -186,7 +188,7 @@ TEST(Findings, GapsDoubledStampsAndOddRates) {
   EXPECT_THAT(r.findings, says(false, "longest 0.53 s after frame 9"));
   MadeSequence doubled(20, ramp);
   doubled.stamps[5] = doubled.stamps[4];
-  EXPECT_THAT(inspectSequence(doubled).findings, says(false, "1 frames have the same time stamp"));
+  EXPECT_THAT(inspectSequence(doubled).findings, says(false, "1 frame with the same time stamp"));
   MadeSequence nanoseconds(20, ramp);
   for (double& stamp : nanoseconds.stamps) stamp *= 1e9;
   EXPECT_THAT(inspectSequence(nanoseconds).findings, says(false, "frames per second"));
