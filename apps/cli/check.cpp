@@ -1,8 +1,9 @@
 // rosefusion check: looks through a sequence and says what is wrong with it before any time is spent on it.
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -35,6 +36,17 @@ void showProgress(std::size_t done, std::size_t total) {
 /// One line of the report: a label and its text.
 void line(std::ostream& out, const char* label, const std::string& text) {
   out << "  " << label << std::string(16 - std::string(label).size(), ' ') << text << '\n';
+}
+
+/// "2 of 54 images looked at (frames 9, 18)"; a long list is cut, as the JSON has all of it.
+std::string unreadable(const Inspection& r) {
+  constexpr std::size_t kShown = 8;
+  std::string text = std::to_string(r.unreadable.size()) + " of " +
+                     std::to_string(r.unreadable.size() + r.images_read) + " images looked at";
+  for (std::size_t i = 0; i < std::min(kShown, r.unreadable.size()); ++i)
+    text += (i == 0 ? " (frames " : ", ") + std::to_string(r.unreadable[i].index);
+  if (r.unreadable.size() > kShown) text += ", ...";
+  return r.unreadable.empty() ? text : text + ")";
 }
 
 std::string describe(const SequenceInfo& info, const Inspection& r) {
@@ -70,8 +82,7 @@ std::string describe(const SequenceInfo& info, const Inspection& r) {
     line(out, "camera speed",
          f("%.2f m/s mean, %.2f max; %.2f rad/s mean, %.2f max", s->linear_mean, s->linear_max,
            s->angular_mean, s->angular_max));
-  line(out, "unreadable",
-       f("%zu of %zu images looked at", r.unreadable.size(), r.unreadable.size() + r.images_read));
+  line(out, "unreadable", unreadable(r));
   line(out, "gaps in time", f("%zu", r.gaps.size()));
   for (const std::string& note : info.notes) line(out, "note", note);
   out << '\n' << (r.findings.empty() ? "Nothing looks wrong.\n" : "What looks wrong:\n");

@@ -28,6 +28,12 @@ constexpr double kSlowestRate = 1, kFastestRate = 1000;  ///< Hz; outside, stamp
   return text;
 }
 
+/// "1 gap", "2 gaps".
+std::string counted(std::size_t count, const std::string& noun, std::string nouns = "") {
+  if (nouns.empty()) nouns = noun + "s";
+  return std::to_string(count) + " " + (count == 1 ? noun : nouns);
+}
+
 /// A scale in common use that would put the median depth into a room, as advice; empty when none does.
 std::string likelyScale(double median_units) {
   const struct {
@@ -50,13 +56,13 @@ void judgeReading(const SequenceInfo& info, const Inspection& r, std::vector<Fin
     const bool most = static_cast<double>(bad) > kManyUnreadable * static_cast<double>(seen);
     findings.push_back(
         {most,
-         format("%zu of %zu depth images cannot be read; frame %zu: %s", bad, seen, r.unreadable[0].index,
-                r.unreadable[0].problem.c_str()),
+         format("%zu of %zu depth images cannot be read; frame %zu: ", bad, seen, r.unreadable[0].index) +
+             r.unreadable[0].problem,
          most ? "copy or export the sequence again" : "they will be skipped; replace the files to use them"});
   }
-  if (r.images_read < 2)
+  if (r.frames < 2 || (r.images_read < 2 && bad > 0))
     findings.push_back(
-        {true, format("only %zu depth images are readable", r.images_read),
+        {true, "only " + counted(r.images_read, "depth image") + " can be read",
          "a reconstruction needs at least two frames; check that the sequence was copied whole"});
 }
 
@@ -81,23 +87,24 @@ void judgeDepth(const SequenceInfo& info, const Inspection& r, std::vector<Findi
          format("half of the frames have valid depth in under %.1f %% of the pixels",
                 100 * r.valid_share_median),
          "stay within the camera's range, avoid glass and sunlight, or check the depth export"});
-  else if (r.valid_share_worst < kHopelessValidShare)
+  else if (r.valid_share_worst < kHopelessValidShare && r.empty_frames == 0)
     findings.push_back(
         {false,
          format("frame %zu has valid depth in only %.1f %% of its pixels", r.worst_frame,
                 100 * r.valid_share_worst),
          "expect tracking to be uncertain there; cut the sequence before it if it ends badly"});
   if (r.empty_frames > 0)
-    findings.push_back({false, format("%zu frames have no valid depth at all", r.empty_frames),
+    findings.push_back({false, counted(r.empty_frames, "frame") + " without any valid depth",
                         "they cannot be tracked; remove them or check the camera"});
   if (static_cast<double>(r.flat_frames) > kManyOddFrames * images)
     findings.push_back({static_cast<double>(r.flat_frames) > kFrozen * images,
-                        format("%zu frames have one and the same depth in every valid pixel", r.flat_frames),
+                        counted(r.flat_frames, "frame") + " with one and the same depth in every valid pixel",
                         "check that these are depth images and not masks"});
   if (static_cast<double>(r.repeated_images) > kManyRepeated * images)
-    findings.push_back({static_cast<double>(r.repeated_images) > kFrozen * images,
-                        format("%zu depth images are exact copies of the one before", r.repeated_images),
-                        "record or export at the camera's own rate; the camera may have frozen"});
+    findings.push_back(
+        {static_cast<double>(r.repeated_images) > kFrozen * images,
+         counted(r.repeated_images, "exact copy", "exact copies") + " of the depth image before",
+         "record or export at the camera's own rate; the camera may have frozen"});
 }
 
 void judgeTime(const SequenceInfo& info, const Inspection& r, std::vector<Finding>& findings) {
@@ -106,7 +113,7 @@ void judgeTime(const SequenceInfo& info, const Inspection& r, std::vector<Findin
                         "time stamps must be in seconds; correct the list or the fps"});
   if (r.repeated_stamps > 0)
     findings.push_back({false,
-                        format("%zu frames have the same time stamp as the frame before", r.repeated_stamps),
+                        counted(r.repeated_stamps, "frame") + " with the same time stamp as the frame before",
                         "remove the doubled lines from the list"});
   if (!r.gaps.empty()) {
     const TimeGap* longest = &r.gaps[0];
@@ -114,8 +121,8 @@ void judgeTime(const SequenceInfo& info, const Inspection& r, std::vector<Findin
       if (gap.seconds > longest->seconds) longest = &gap;
     findings.push_back(
         {false,
-         format("%zu gaps in time, the longest %.2f s after frame %zu", r.gaps.size(), longest->seconds,
-                longest->after_frame),
+         counted(r.gaps.size(), "gap") +
+             format(" in time, the longest %.2f s after frame %zu", longest->seconds, longest->after_frame),
          "tracking may be lost there when the camera moves fast; look at the recorder's dropped frames"});
   }
   if (info.truth.empty()) return;

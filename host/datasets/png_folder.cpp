@@ -57,17 +57,18 @@ std::vector<fs::path> filesMatching(const fs::path& folder, const std::string& p
   return files;
 }
 
-/// The value of a key, converted. Throws InputError naming the key when it is required and missing, or
-/// malformed.
+constexpr const char* kShape =
+    "a complete file has 'intrinsics: {fx: .., fy: .., cx: .., cy: ..}', 'depth_units_per_metre: 1000', "
+    "'depth: depth/*.png' and 'fps: 30'";
+
+/// The value of a key, converted. Throws InputError naming the key when it is missing or malformed.
 template <typename T>
 T valueOf(const YAML::Node& node, const std::string& key, const fs::path& yaml) {
-  if (!node[key])
-    throw InputError(yaml.string() + ": '" + key + "' is missing; see the README for the keys.");
+  if (!node[key]) throw InputError(yaml.string() + ": '" + key + "' is missing; " + kShape + ".");
   try {
     return node[key].as<T>();
   } catch (const YAML::Exception&) {
-    throw InputError(yaml.string() + ": the value of '" + key +
-                     "' has the wrong type; see the README for the keys.");
+    throw InputError(yaml.string() + ": the value of '" + key + "' has the wrong type; " + kShape + ".");
   }
 }
 

@@ -14,7 +14,9 @@ Trajectory readTruth(const std::filesystem::path& file, std::vector<std::string>
   if (was_unsorted)
     warnings.push_back(file.string() + ": the truth's time stamps are not ascending; they were sorted.");
   if (!skipped.empty())
-    warnings.push_back(std::to_string(skipped.size()) + " truth poses skipped, the first: " + skipped[0]);
+    warnings.push_back(std::to_string(skipped.size()) +
+                       (skipped.size() == 1 ? " truth pose" : " truth poses") +
+                       " skipped, the first: " + skipped[0]);
   if (truth.empty()) warnings.push_back(file.string() + ": holds no pose; the truth counts as unknown.");
   return truth;
 }
