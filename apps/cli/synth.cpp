@@ -1,7 +1,161 @@
+// rosefusion synth: makes a sequence with known truth.
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
 #include "apps/cli/commands.h"
+#include "host/error.h"
+#include "host/synth/tum_writer.h"
 
 namespace rosefusion::cli {
+namespace {
 
-void addSynthCommand(CLI::App&) {}
+struct Arguments {
+  SynthOptions options;
+  std::filesystem::path out;
+  std::optional<double> low, mean, high, angular_mean, angular_high, cx, cy;
+  bool force = false;
+  std::string json;
+};
+
+/// Speeds left out follow those given, in the proportions of the defaults.
+void settle(Arguments& a) {
+  SpeedRange& linear = a.options.linear;
+  const SpeedRange usual = linear;
+  if (!a.high && a.mean && *a.mean > 0.8 * usual.high) a.high = *a.mean * usual.high / usual.mean;
+  linear.high = a.high.value_or(usual.high);
+  linear.mean = a.mean.value_or(linear.high * usual.mean / usual.high);
+  linear.low =
+      a.low.value_or(std::min(linear.high * usual.low / usual.high, linear.mean * usual.low / usual.mean));
+  SpeedRange& angular = a.options.angular;
+  const SpeedRange usual_turn = angular;
+  if (!a.angular_high && a.angular_mean && *a.angular_mean > 0.8 * usual_turn.high)
+    a.angular_high = *a.angular_mean * usual_turn.high / usual_turn.mean;
+  angular.high = a.angular_high.value_or(usual_turn.high);
+  angular.mean = a.angular_mean.value_or(angular.high * usual_turn.mean / usual_turn.high);
+  angular.low = std::min(angular.high * usual_turn.low / usual_turn.high,
+                         angular.mean * usual_turn.low / usual_turn.mean);
+  Intrinsics& k = a.options.intrinsics;
+  k.cx = a.cx.value_or((k.width - 1) / 2.0);
+  k.cy = a.cy.value_or((k.height - 1) / 2.0);
+  if (a.options.motion != Motion::kReplay && !a.options.replay_file.empty())
+    a.options.motion = Motion::kReplay;
+}
+
+/// A bar on a terminal, a line every tenth elsewhere.
+class Progress {
+ public:
+  void operator()(int done, int of) {
+    const int tenth = done * 10 / of;
+    const auto now = std::chrono::steady_clock::now();
+    if (isatty(STDERR_FILENO)) {
+      if (done < of && now - last_ < std::chrono::milliseconds(100)) return;
+      last_ = now;
+      const int filled = done * 30 / of;
+      std::fprintf(stderr, "\r[%-30s] %d/%d frames%s", std::string(filled, '#').c_str(), done, of,
+                   done == of ? "\n" : "");
+    } else if (tenth != tenth_) {
+      std::fprintf(stderr, "%d/%d frames\n", done, of);
+    }
+    tenth_ = tenth;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_;
+  int tenth_ = 0;
+};
+
+void run(Arguments& a) {
+  settle(a);
+  requireUsableOutput(a.out, a.force);
+  const SynthPlan plan(a.options);
+  writeTumSequence(a.out, plan, a.force, Progress());
+  const MotionStatistics s = plan.statistics();
+  if (a.json != "-")
+    std::printf(
+        "%s: %zu frames, %.1f s, %.1f m\n"
+        "  linear  mean %.2f  max %.2f m/s\n  angular mean %.2f  max %.2f rad/s\n  never closer than %.2f m "
+        "to a surface\n",
+        a.out.c_str(), plan.truth().size(), plan.truth().back().timestamp, s.length, s.linear_mean,
+        s.linear_max, s.angular_mean, s.angular_max, s.clearance);
+  writeJson(a.json, synthReport(plan));
+}
+
+}  // namespace
+
+void addSynthCommand(CLI::App& app) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* c = app.add_subcommand(
+      "synth", "Make a depth sequence with known truth, from a procedural room or a mesh.");
+  c->add_option("OUT_DIR", a->out, "folder to make (TUM RGB-D layout)")->required();
+  c->add_option("--seed", a->options.seed, "of the room, the motion and the noise")->capture_default_str();
+  c->add_option("--frames", a->options.frames, "number of frames")->capture_default_str();
+  c->add_option("--fps", a->options.fps, "frames a second")->capture_default_str();
+  c->add_flag("--force", a->force, "replace a sequence generated earlier");
+  c->add_option("--json", a->json, "write the report (synth.json) to this file too; - for standard output");
+  c->add_option("--threads", a->options.threads, "0: one per core; the result does not depend on it")
+      ->check(CLI::Range(0, 1024));
+
+  c->add_option("--mesh", a->options.mesh_file,
+                "closed room or building in metres (PLY, OBJ, STL, glTF) instead of the procedural room")
+      ->group("Scene");
+  c->add_option("--up", a->options.up, "up axis of the mesh: guess, y or z")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, UpAxis>{{"guess", UpAxis::kGuess}, {"y", UpAxis::kY}, {"z", UpAxis::kZ}}))
+      ->group("Scene");
+
+  const std::string motion = "Motion";
+  c->add_option("--motion", a->options.motion, "6d (default), linear, rotation or replay")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Motion>{{"6d", Motion::kSixDof},
+                                                                        {"linear", Motion::kLinear},
+                                                                        {"rotation", Motion::kRotation},
+                                                                        {"replay", Motion::kReplay}}))
+      ->group(motion);
+  c->add_option("--speed", a->mean, "mean linear speed, m/s [1.68, or 0.42 of --max-speed]")->group(motion);
+  c->add_option("--min-speed", a->low, "m/s [1.0, or a quarter of --max-speed]")->group(motion);
+  c->add_option("--max-speed", a->high, "m/s [4.0]")->group(motion);
+  c->add_option("--angular", a->angular_mean, "mean angular speed, rad/s [0.95, or 0.43 of --max-angular]")
+      ->group(motion);
+  c->add_option("--max-angular", a->angular_high, "rad/s [2.2]")->group(motion);
+  c->add_option("--ramp", a->options.ramp, "seconds from rest to --min-speed")
+      ->capture_default_str()
+      ->group(motion);
+  c->add_option("--loops", a->options.loops, "6d: fly this many laps of one closed tour through all rooms")
+      ->group(motion);
+  c->add_option("--replay", a->options.replay_file, "recorded TUM trajectory to fly")->group(motion);
+  c->add_option("--replay-speed", a->options.replay_speed, "times faster than recorded")
+      ->capture_default_str()
+      ->group(motion);
+
+  const std::string camera = "Camera";
+  c->add_option("--width", a->options.intrinsics.width, "pixels")->capture_default_str()->group(camera);
+  c->add_option("--height", a->options.intrinsics.height, "pixels")->capture_default_str()->group(camera);
+  c->add_option("--fx", a->options.intrinsics.fx, "pixels")->capture_default_str()->group(camera);
+  c->add_option("--fy", a->options.intrinsics.fy, "pixels")->capture_default_str()->group(camera);
+  c->add_option("--cx", a->cx, "pixels [image centre]")->group(camera);
+  c->add_option("--cy", a->cy, "pixels [image centre]")->group(camera);
+  c->add_option("--max-depth", a->options.max_depth, "metres; what is further reads 0")
+      ->capture_default_str()
+      ->group(camera);
+  c->add_option("--noise", a->options.noise, "handa (Handa et al. 2014, default) or none")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, DepthNoise>{{"handa", DepthNoise::kHanda}, {"none", DepthNoise::kNone}}))
+      ->group(camera);
+  c->add_flag("--colour,--color", a->options.colour, "write rgb/ as well")->group(camera);
+
+  c->footer(
+      "Examples:\n"
+      "  rosefusion synth out/fast                           8 s, 1.7 m/s on average and up to 4 m/s\n"
+      "  rosefusion synth out/faster --seed 7 --max-speed 6 --max-angular 4\n"
+      "  rosefusion synth out/line --motion linear --noise none\n"
+      "  rosefusion synth out/house --mesh house.ply --frames 10000 --loops 8\n"
+      "  rosefusion synth out/desk3x --replay groundtruth.txt --replay-speed 3");
+  c->callback([a] { run(*a); });
+}
 
 }  // namespace rosefusion::cli

@@ -1,0 +1,46 @@
+// What the generator renders: a surface, its materials, and which way is up.
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "host/mesh.h"
+
+namespace rosefusion {
+
+enum class Pattern { kPlain, kChecker, kStripes, kNoise, kWood };
+
+struct Material {
+  std::array<std::uint8_t, 3> rgb{180, 180, 180};
+  Pattern pattern = Pattern::kNoise;
+  float scale = 0.1f;  ///< size of one pattern cell, metres
+};
+
+struct Scene {
+  TriangleMesh mesh;  ///< metres, world frame; colours are the materials' at the vertices
+  std::vector<std::uint16_t>
+      face_material;  ///< one per triangle; empty: the surface has mesh.colours instead
+  std::vector<Material> materials;
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< unit, along an axis
+};
+
+enum class UpAxis { kGuess, kY, kZ };
+
+/// Surface colour (RGB, 0 to 1) of `material` at a world point, before shading. Procedural, the same at every
+/// call.
+Eigen::Vector3f materialColour(const Material& material, const Eigen::Vector3d& point);
+
+/// Sets mesh.colours from the materials.
+void paintVertices(Scene& scene);
+
+/// A seeded, furnished room, z up, floor at z = 0, 4-7 x 3.5-6 x 2.5-3 m. Each seed differs in size,
+/// furniture, layout.
+Scene makeRoom(std::uint64_t seed);
+
+/// A user's mesh. Long edges are split so that no triangle is larger than about 0.3 m. Throws InputError like
+/// readMesh, and for a mesh that is not room-sized (its smallest side under 1 m or its largest over 200 m).
+Scene loadScene(const std::filesystem::path& file, UpAxis up);
+
+}  // namespace rosefusion

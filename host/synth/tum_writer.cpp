@@ -1,0 +1,157 @@
+#include "host/synth/tum_writer.h"
+
+#include <cstdio>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "host/error.h"
+#include "host/export/mesh_io.h"
+#include "host/file_io.h"
+#include "host/synth/parallel.h"
+
+namespace rosefusion {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string stampText(double timestamp) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6f", timestamp);
+  return text;
+}
+
+void writePng(const fs::path& file, const cv::Mat& image) {
+  std::vector<std::uint8_t> bytes;
+  // Level 1: twice as fast as the default and hardly larger for noisy depth.
+  cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
+  writeFileAtomically(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+void writeIndex(const fs::path& folder, const std::string& kind, const Trajectory& truth) {
+  std::string text = "# timestamp filename\n";
+  for (const StampedPose& p : truth) {
+    const std::string stamp = stampText(p.timestamp);
+    text += stamp + " " + kind + "/" + stamp + ".png\n";
+  }
+  writeFileAtomically(folder / (kind + ".txt"), text);
+}
+
+const char* nameOf(Motion motion) {
+  switch (motion) {
+    case Motion::kLinear:
+      return "linear";
+    case Motion::kRotation:
+      return "rotation";
+    case Motion::kReplay:
+      return "replay";
+    case Motion::kSixDof:
+      break;
+  }
+  return "6d";
+}
+
+fs::path trimmed(const fs::path& folder) {  // "out/" is "out"
+  return folder.has_filename() ? folder : folder.parent_path();
+}
+
+}  // namespace
+
+void requireUsableOutput(const fs::path& folder, bool force) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) return;
+  if (!fs::is_directory(folder, error))
+    throw InputError(folder.string() + ": is a file; give the name of a folder for the sequence.");
+  if (!force && !fs::is_empty(folder, error))
+    throw InputError(folder.string() + ": is not empty; give another folder, or --force to replace it.");
+  // A typing error must not cost someone a home folder.
+  if (force && !fs::is_empty(folder, error) && !fs::exists(folder / "synth.json", error))
+    throw InputError(
+        folder.string() +
+        ": holds something else than a generated sequence (no synth.json) and is not replaced; give "
+        "another folder.");
+}
+
+std::string synthReport(const SynthPlan& plan) {
+  const SynthOptions& o = plan.options();
+  const MotionStatistics s = plan.statistics();
+  nlohmann::ordered_json json;
+  json["seed"] = o.seed;
+  json["scene"] = o.mesh_file.empty() ? "procedural room" : o.mesh_file.string();
+  json["motion"] = nameOf(o.motion);
+  if (o.motion == Motion::kReplay) {
+    json["replay"] = o.replay_file.string();
+    json["replay_speed"] = o.replay_speed;
+  } else {
+    json["asked"]["linear_mps"] = {{"min", o.linear.low}, {"mean", o.linear.mean}, {"max", o.linear.high}};
+    json["asked"]["angular_radps"] = {{"mean", o.angular.mean}, {"max", o.angular.high}};
+    json["loops"] = o.loops;
+  }
+  json["frames"] = plan.truth().size();
+  json["fps"] = o.fps;
+  json["camera"] = {{"width", o.intrinsics.width}, {"height", o.intrinsics.height}, {"fx", o.intrinsics.fx},
+                    {"fy", o.intrinsics.fy},       {"cx", o.intrinsics.cx},         {"cy", o.intrinsics.cy}};
+  json["depth_units_per_metre"] = kSynthDepthUnitsPerMetre;
+  json["max_depth_m"] = o.max_depth;
+  json["noise"] = o.noise == DepthNoise::kHanda ? "handa" : "none";
+  json["colour"] = o.colour;
+  json["up"] = {plan.scene().up.x(), plan.scene().up.y(), plan.scene().up.z()};
+  json["true_motion"] = {{"linear_mean_mps", s.linear_mean},
+                         {"linear_max_mps", s.linear_max},
+                         {"angular_mean_radps", s.angular_mean},
+                         {"angular_max_radps", s.angular_max},
+                         {"length_m", s.length},
+                         {"least_clearance_m", s.clearance}};
+  return json.dump(2) + "\n";
+}
+
+void writeTumSequence(const fs::path& out, const SynthPlan& plan, bool force,
+                      const std::function<void(int, int)>& progress) {
+  const fs::path folder = trimmed(out);
+  requireUsableOutput(folder, force);
+  fs::path part = folder;
+  part += ".part";
+  std::error_code error;
+  fs::remove_all(part, error);
+
+  const SynthOptions& options = plan.options();
+  const int count = static_cast<int>(plan.truth().size());
+  std::vector<std::uint8_t> seen(plan.scene().mesh.triangles.size(), 0);
+  std::mutex progress_mutex;
+  int done = 0;
+  try {
+    parallelFor(count, options.threads, [&](int i) {
+      const Frame frame = plan.renderFrame(i, &seen);
+      const std::string name = stampText(frame.timestamp) + ".png";
+      writePng(part / "depth" / name, frame.depth);
+      if (options.colour) writePng(part / "rgb" / name, frame.colour);
+      const std::lock_guard lock(progress_mutex);
+      ++done;
+      if (progress) progress(done, count);
+    });
+    writeIndex(part, "depth", plan.truth());
+    if (options.colour) writeIndex(part, "rgb", plan.truth());
+    writeTumTrajectory(part / "groundtruth.txt", plan.truth());
+    const Intrinsics& k = options.intrinsics;
+    char calibration[128];
+    std::snprintf(calibration, sizeof calibration, "%.9g %.9g %.9g %.9g\n", k.fx, k.fy, k.cx, k.cy);
+    writeFileAtomically(part / "calibration.txt", calibration);
+    writePly(part / "mesh.ply", plan.scene().mesh);
+    writePly(part / "mesh_seen.ply", seenPart(plan.scene().mesh, seen));
+    writeFileAtomically(part / "synth.json", synthReport(plan));
+  } catch (...) {
+    fs::remove_all(part, error);
+    throw;
+  }
+  fs::remove_all(folder, error);
+  fs::rename(part, folder, error);
+  if (error)
+    throw InputError(folder.string() + ": cannot be replaced (" + error.message() + "); the sequence is in " +
+                     part.string() + ".");
+}
+
+}  // namespace rosefusion
