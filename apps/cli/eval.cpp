@@ -109,7 +109,8 @@ void evaluate(EvalArguments arguments) {
   requireCommonPoses(errors, arguments, estimate, truth);
   if (arguments.json != "-") std::cout << table(errors, arguments);
   writeJson(arguments.json, toJson(errors).dump(2));
-  if (!arguments.plot.empty()) plotTrajectoryErrors(errors, arguments.estimate.string(), arguments.plot);
+  if (!arguments.plot.empty())
+    plotTrajectoryErrors(errors, truth, arguments.estimate.string(), arguments.plot);
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ int runGnuplot(const fs::path& script, const fs::path& log) {
 }
 
 constexpr const char* kStyle = R"(set encoding utf8
-set grid linecolor rgb "#dddddd" linewidth 1
+set grid linecolor rgb "#bbbbbb" linewidth 1
 set border linecolor rgb "#444444"
 set tics textcolor rgb "#222222"
 set linetype 1 linecolor rgb "#222222" linewidth 2

@@ -36,15 +36,22 @@ Trajectory usablePart(Trajectory trajectory, const std::vector<double>& lost) {
   return trajectory;
 }
 
-/// The lower quartile, which a tracker that dropped many frames does not move; 0 for fewer than two stamps.
+double quantile(std::vector<double> values, std::size_t numerator, std::size_t denominator) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * numerator / denominator);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+/// Median of the intervals without lost frames between; 0 for fewer than two stamps. Those are told by the
+/// lower quartile, which a tracker that dropped many frames does not move.
 double usualInterval(const std::vector<double>& sorted_stamps) {
   if (sorted_stamps.size() < 2) return 0;
   std::vector<double> gaps;
   for (std::size_t i = 1; i < sorted_stamps.size(); ++i)
     gaps.push_back(sorted_stamps[i] - sorted_stamps[i - 1]);
-  const auto quartile = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 4);
-  std::nth_element(gaps.begin(), quartile, gaps.end());
-  return *quartile;
+  const double longest = 1.5 * quantile(gaps, 1, 4);
+  std::erase_if(gaps, [&](double gap) { return gap > longest; });
+  return quantile(gaps, 1, 2);
 }
 
 std::size_t missingInGaps(const std::vector<double>& sorted_stamps, double interval_s) {

@@ -68,7 +68,7 @@ TEST_F(RenderPlot, UnwritableFileIsNamed) {
 TEST_F(RenderPlot, TrajectoryErrorsWithGapsAndAnOddTitle) {
   Trajectory estimate = curve(90);
   estimate.erase(estimate.begin() + 30, estimate.begin() + 45);
-  plotTrajectoryErrors(measureTrajectory(estimate, curve(90)), "it's a \"title\" with \\ and {_^}",
+  plotTrajectoryErrors(measureTrajectory(estimate, curve(90)), curve(90), "it's a \"title\" with \\ and {_^}",
                        folder_ / "t.png");
   EXPECT_THAT(contents(folder_ / "t.png"), StartsWith(kPngSignature));
 }
@@ -76,8 +76,15 @@ TEST_F(RenderPlot, TrajectoryErrorsWithGapsAndAnOddTitle) {
 TEST_F(RenderPlot, CameraThatDoesNotMoveIsDrawn) {
   Trajectory still = curve(10);
   for (StampedPose& p : still) p.world_from_camera.translation().setZero();
-  plotTrajectoryErrors(measureTrajectory(still, still), "still", folder_ / "s.png");
+  plotTrajectoryErrors(measureTrajectory(still, still), still, "still", folder_ / "s.png");
   EXPECT_THAT(contents(folder_ / "s.png"), StartsWith(kPngSignature));
+}
+
+TEST_F(RenderPlot, OneCommonPoseIsDrawn) {
+  Trajectory truth = curve(1);
+  truth[0].timestamp += 0.01;  // outside the span of the common poses
+  plotTrajectoryErrors(measureTrajectory(curve(1), truth), truth, "one", folder_ / "o.png");
+  EXPECT_THAT(contents(folder_ / "o.png"), StartsWith(kPngSignature));
 }
 
 TEST(RenderPlotWithoutGnuplot, SaysWhatToInstall) {
@@ -92,7 +99,7 @@ TEST(RenderPlotWithoutGnuplot, SaysWhatToInstall) {
 }
 
 TEST(PlotTrajectoryErrors, NothingInCommonIsSaid) {
-  EXPECT_THAT(inputErrorOf([] { plotTrajectoryErrors(measureTrajectory({}, {}), "t", "p.png"); }),
+  EXPECT_THAT(inputErrorOf([] { plotTrajectoryErrors(measureTrajectory({}, {}), {}, "t", "p.png"); }),
               AllOf(StartsWith("p.png"), HasSubstr("nothing to draw")));
 }
 
