@@ -1,7 +1,158 @@
+// rosefusion eval: how far an estimated trajectory is from the truth.
+#include <spdlog/fmt/fmt.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <system_error>
+
 #include "apps/cli/commands.h"
+#include "host/error.h"
+#include "host/evaluation/report_json.h"
+#include "host/evaluation/trajectory_error.h"
+#include "host/evaluation/trajectory_plot.h"
 
 namespace rosefusion::cli {
+namespace {
 
-void addEvalCommand(CLI::App&) {}
+namespace fs = std::filesystem;
+
+struct EvalArguments {
+  fs::path estimate;
+  fs::path truth;
+  std::string json;
+  fs::path plot;
+  bool interpolate = false;
+  TrajectoryErrorOptions options;
+};
+
+/// `path`, or the file `name` in it when it is a folder.
+fs::path fileIn(const fs::path& path, const char* name) {
+  std::error_code unknown;
+  if (!fs::is_directory(path, unknown)) return path;
+  if (!fs::exists(path / name, unknown))
+    throw InputError(path.string() + ": the folder has no " + name +
+                     "; give a trajectory file in TUM format instead.");
+  return path / name;
+}
+
+Trajectory readPoses(const fs::path& file) {
+  Trajectory trajectory = readTumTrajectory(file);
+  if (trajectory.empty())
+    throw InputError(file.string() + ": has no poses; expected lines 't tx ty tz qx qy qz qw'.");
+  return trajectory;
+}
+
+/// The number of frames that `rosefusion run` noted beside its trajectory, or 0.
+std::size_t framesOfReport(const fs::path& estimate) {
+  if (estimate.filename() != "trajectory.txt") return 0;
+  std::ifstream in(estimate.parent_path() / "report.json");
+  if (!in) return 0;
+  const auto report = nlohmann::json::parse(in, nullptr, false);
+  if (!report.is_object() || !report.contains("frames") || !report["frames"].is_number_unsigned()) return 0;
+  return report["frames"].get<std::size_t>();
+}
+
+void requireCommonPoses(const TrajectoryErrors& errors, const EvalArguments& arguments,
+                        const Trajectory& estimate, const Trajectory& truth) {
+  if (errors.common_poses > 0) return;
+  throw InputError(
+      fmt::format("{}: no stamp (they run from {:.3f} to {:.3f} s) is within {} s of one in {} ({:.3f} to "
+                  "{:.3f} s); check that "
+                  "both are of the same sequence, or raise --max-difference.",
+                  arguments.estimate.string(), estimate.front().timestamp, estimate.back().timestamp,
+                  arguments.options.max_difference_s, arguments.truth.string(), truth.front().timestamp,
+                  truth.back().timestamp));
+}
+
+std::string row(const char* name, const ErrorSummary& summary, double factor, const char* unit) {
+  if (summary.count == 0) return fmt::format("  {:<25}{:>9}\n", name, "none");
+  return fmt::format("  {:<25}{:>9.3f}{:>9.3f}{:>9.3f}{:>9.3f}  {}\n", name, factor * summary.rmse,
+                     factor * summary.mean, factor * summary.median, factor * summary.max, unit);
+}
+
+std::string table(const TrajectoryErrors& errors, const EvalArguments& arguments) {
+  std::string text =
+      fmt::format("Estimate  {}\nTruth     {}\n", arguments.estimate.string(), arguments.truth.string());
+  text += fmt::format("Frames    {}, {} lost ({})\n", errors.frames, errors.lost_frames, errors.frames_basis);
+  text += fmt::format("Paired    {}\nAligned   {}\n\n", errors.association, errors.alignment.description);
+  text += fmt::format("  {:<25}{:>9}{:>9}{:>9}{:>9}\n", "", "RMSE", "mean", "median", "max");
+  text += row("ATE (aligned)", errors.ate_m, 100, "cm");
+  text += row("TE (from first pose)", errors.te_m, 100, "cm");
+  text += row("RPE pose to pose", errors.rpe_frame_m, 100, "cm");
+  text += row("", errors.rpe_frame_deg, 1, "deg");
+  text += row("RPE per second", errors.rpe_second_m, 100, "cm/s");
+  text += row("", errors.rpe_second_deg, 1, "deg/s");
+  text += fmt::format("\n  {:<25}", "TE under");
+  for (const double threshold_m : kTeThresholds_m) text += fmt::format("{:>6.0f} cm", 100 * threshold_m);
+  text += fmt::format("\n  {:<25}", "share of frames");
+  for (const double share : errors.te_share) text += fmt::format("{:>7.1f} %", 100 * share);
+  return text + "  (lost frames count as failures)\n";
+}
+
+void evaluate(EvalArguments arguments) {
+  arguments.estimate = fileIn(arguments.estimate, "trajectory.txt");
+  arguments.truth = fileIn(arguments.truth, "groundtruth.txt");
+  const Trajectory estimate = readPoses(arguments.estimate), truth = readPoses(arguments.truth);
+  TrajectoryErrorOptions& options = arguments.options;
+  if (arguments.interpolate) options.association = Association::kInterpolated;
+  if (options.sequence_frames > 0 && options.sequence_frames < estimate.size())
+    throw InputError(
+        fmt::format("--frames {}: {} has more poses than that ({}); give the number of frames that the "
+                    "sequence has.",
+                    options.sequence_frames, arguments.estimate.string(), estimate.size()));
+  if (options.sequence_frames == 0) options.sequence_frames = framesOfReport(arguments.estimate);
+
+  const TrajectoryErrors errors = measureTrajectory(estimate, truth, options);
+  requireCommonPoses(errors, arguments, estimate, truth);
+  if (arguments.json != "-") std::cout << table(errors, arguments);
+  writeJson(arguments.json, toJson(errors).dump(2));
+  if (!arguments.plot.empty())
+    plotTrajectoryErrors(errors, truth, arguments.estimate.string(), arguments.plot);
+}
+
+}  // namespace
+
+void addEvalCommand(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("eval",
+                         "Compare a trajectory with the truth.\n"
+                         "ATE: distance of the camera positions after rigid alignment (RMSE: as the TUM "
+                         "tools and evo report it; mean: as "
+                         "the ROSEFusion paper does). TE: distance without alignment, both trajectories "
+                         "starting at their first common "
+                         "pose. RPE: error of the motion from pose to pose and over one second.");
+  const auto arguments = std::make_shared<EvalArguments>();
+  command
+      ->add_option("ESTIMATE", arguments->estimate, "Trajectory in TUM format, or a folder that `run` wrote")
+      ->required();
+  command->add_option("TRUTH", arguments->truth, "Trajectory in TUM format, or a folder with groundtruth.txt")
+      ->required();
+  command->add_option("--json", arguments->json,
+                      "Write the figures as JSON ('-': to standard output, no table)");
+  command->add_option("--plot", arguments->plot,
+                      "Draw both trajectories and the errors over time (PNG, by gnuplot)");
+  command
+      ->add_option("--max-difference", arguments->options.max_difference_s,
+                   "Largest difference of paired stamps in seconds (evo's default is 0.01)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_flag("--interpolate", arguments->interpolate,
+                    "Interpolate the truth at the estimate's stamps instead of taking the nearest pose");
+  command
+      ->add_option(
+          "--frames", arguments->options.sequence_frames,
+          "Frames of the sequence; those without a pose count as lost (default: from the report.json that "
+          "`run` wrote beside the trajectory, else worked out from the stamps)")
+      ->check(CLI::PositiveNumber);
+  command->footer(
+      "Examples:\n"
+      "  rosefusion eval out sequence\n"
+      "  rosefusion eval out/trajectory.txt groundtruth.txt --plot errors.png --json errors.json\n"
+      "  rosefusion eval other.txt groundtruth.txt --max-difference 0.01 --frames 722");
+  command->callback([arguments] { evaluate(*arguments); });
+}
 
 }  // namespace rosefusion::cli

@@ -1,0 +1,117 @@
+#include "host/evaluation/plot.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+
+#include "host/error.h"
+#include "host/file_io.h"
+
+namespace rosefusion {
+namespace {
+
+namespace fs = std::filesystem;
+
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string pattern = (fs::temp_directory_path() / "rosefusion-plot-XXXXXX").string();
+    if (!mkdtemp(pattern.data()))
+      throw InputError(pattern +
+                       ": no folder can be made for plotting; point TMPDIR to one that can be written.");
+    path_ = pattern;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::string contents(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void write(const fs::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  if (!(out << text << std::flush))
+    throw InputError(file.string() +
+                     ": cannot be written; free some space or point TMPDIR to another folder.");
+}
+
+/// The exit status of `gnuplot SCRIPT`, or 127 when there is no gnuplot. Its messages go to `log`.
+int runGnuplot(const fs::path& script, const fs::path& log) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
+  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  std::string program = "gnuplot", file = script.string();
+  char* arguments[] = {program.data(), file.data(), nullptr};
+  pid_t child = 0;
+  const int refused = posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments, environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (refused) return 127;
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+}
+
+constexpr const char* kStyle = R"(set encoding utf8
+set grid linecolor rgb "#bbbbbb" linewidth 1
+set border linecolor rgb "#444444"
+set tics textcolor rgb "#222222"
+set linetype 1 linecolor rgb "#222222" linewidth 2
+set linetype 2 linecolor rgb "#d1495b" linewidth 2
+set linetype 3 linecolor rgb "#00798c" linewidth 2
+set linetype 4 linecolor rgb "#edae49" linewidth 2
+)";
+
+}  // namespace
+
+void renderPlot(const Plot& plot, const fs::path& png) {
+  const TemporaryFolder folder;
+  for (const auto& [name, text] : plot.tables) write(folder.path() / name, text);
+  std::ostringstream script;
+  script << "set terminal pngcairo size " << plot.width_px << ',' << plot.height_px
+         << " font \"sans,15\" noenhanced background rgb \"white\"\n"
+         << "cd " << plotQuoted(folder.path().string()) << "\nset output 'plot.png'\n"
+         << kStyle << plot.commands << "\nunset multiplot\nset output\n";
+  write(folder.path() / "script.gp", script.str());
+
+  const int status = runGnuplot(folder.path() / "script.gp", folder.path() / "log.txt");
+  if (status == 127)
+    throw InputError(png.string() +
+                     ": cannot be drawn because gnuplot is not installed; install it (Debian and "
+                     "Ubuntu: gnuplot-nox) or leave the plot out.");
+  const std::string image = contents(folder.path() / "plot.png");
+  if (status != 0 || image.empty())
+    throw std::runtime_error(png.string() +
+                             ": gnuplot could not draw it: " + contents(folder.path() / "log.txt"));
+  writeFileAtomically(png, image);
+}
+
+std::string plotQuoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c == '\n' ? ' ' : c;
+  }
+  return quoted + '"';
+}
+
+}  // namespace rosefusion
