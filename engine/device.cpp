@@ -131,6 +131,17 @@ vk::raii::Instance makeInstance(const vk::raii::Context& context, bool validatio
   }
 }
 
+/// A driver without its hardware makes the loader fail, no driver at all makes the list empty: both mean the same here.
+std::vector<vk::raii::PhysicalDevice> physicalDevices(const vk::raii::Instance& instance) {
+  try {
+    vk::raii::PhysicalDevices found(instance);
+    if (!found.empty()) return std::move(found);
+  } catch (const vk::SystemError&) {
+  }
+  throw DeviceError(DeviceErrorCode::NoDriver, "No installed Vulkan driver finds a device; install the driver of your "
+                                               "GPU, or mesa-vulkan-drivers, which also runs without a GPU.");
+}
+
 VKAPI_ATTR VkBool32 VKAPI_CALL keepMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
                                            const VkDebugUtilsMessengerCallbackDataEXT* data, void* messages) {
   static_cast<std::vector<std::string>*>(messages)->push_back(data->pMessage);
@@ -164,9 +175,6 @@ std::size_t choose(const std::vector<DeviceInfo>& devices, const std::string& se
                (wanted ? info.rejected_because : "is not '" + select + "'") + ".";
   }
   if (best < devices.size()) return best;
-  if (devices.empty())
-    throw DeviceError(DeviceErrorCode::NoDriver, "The Vulkan loader found no device; install your GPU's driver, or "
-                                                 "mesa-vulkan-drivers, which also runs without a GPU.");
   throw DeviceError(DeviceErrorCode::NoDevice, "No Vulkan device fits; choose another with --device." + reasons);
 }
 
@@ -209,7 +217,7 @@ std::vector<DeviceInfo> listDevices() {
   const auto context = makeContext();
   const auto instance = makeInstance(context, false);
   std::vector<DeviceInfo> devices;
-  for (const auto& physical : vk::raii::PhysicalDevices(instance))
+  for (const auto& physical : physicalDevices(instance))
     devices.push_back(describe(physical, static_cast<int>(devices.size())));
   return devices;
 }
@@ -226,7 +234,7 @@ Device::Device(const DeviceOptions& options) : impl_(new Impl{makeContext()}) {
   }
   std::vector<DeviceInfo> infos;
   std::vector<vk::raii::PhysicalDevice> physicals;
-  for (auto& physical : vk::raii::PhysicalDevices(d.instance)) {
+  for (auto& physical : physicalDevices(d.instance)) {
     infos.push_back(describe(physical, static_cast<int>(infos.size())));
     physicals.push_back(std::move(physical));
   }
