@@ -19,10 +19,19 @@ int memoryType(const vk::PhysicalDeviceMemoryProperties& memory, std::uint32_t a
   return -1;
 }
 
+/// Vulkan leaves larger requests undefined, so they are refused before it sees them.
+void requireAtMost(std::uint64_t most, std::uint64_t bytes, const DeviceInfo& device) {
+  if (bytes <= most) return;
+  throw DeviceError(DeviceErrorCode::OutOfMemory,
+                    "A buffer of " + std::to_string(bytes >> 20) + " MiB is more than " + device.name + " allocates at once (" +
+                        std::to_string(most >> 20) + " MiB); make volume.voxel_size larger or depth.max smaller.");
+}
+
 }  // namespace
 
 Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Impl) {
   Device::Impl& device = owner.impl();
+  requireAtMost(device.info.limits.max_allocation_bytes, bytes, device.info);
   bytes = std::max<std::uint64_t>(16, (bytes + 3) / 4 * 4);
   try {
     using Usage = vk::BufferUsageFlagBits;
@@ -34,6 +43,7 @@ Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Im
                      : memory == Memory::Upload ? memoryType(device.memory, requirements.memoryTypeBits, host, {})
                                                 : memoryType(device.memory, requirements.memoryTypeBits, host, Property::eHostCached);
     if (type < 0) throw DeviceError(DeviceErrorCode::MissingLimit, device.info.name + " has no memory type for buffers.");
+    requireAtMost(device.memory.memoryHeaps[device.memory.memoryTypes[type].heapIndex].size, requirements.size, device.info);
     impl_->memory = {device.device, vk::MemoryAllocateInfo(requirements.size, static_cast<std::uint32_t>(type))};
     impl_->buffer.bindMemory(*impl_->memory, 0);
     if (memory != Memory::Device) impl_->mapped = impl_->memory.mapMemory(0, bytes);

@@ -11,7 +11,7 @@ namespace rosefusion {
 namespace {
 
 // What the passes need; every desktop and mobile driver known to us has more (spec minima in brackets).
-constexpr std::uint32_t kNeededStorageBuffers = 20;   // [4]; integrate with colour binds 18
+constexpr std::uint32_t kNeededStorageBuffers = 20;   // [4]; integrate binds 17
 constexpr std::uint32_t kNeededInvocations = 128;     // [128]
 constexpr std::uint32_t kNeededPushConstants = 128;   // [128]
 constexpr std::uint32_t kNeededSharedMemory = 16384;  // [16384]
@@ -59,7 +59,20 @@ std::string whyUnusable(const vk::raii::PhysicalDevice& physical, std::uint32_t 
   return "";
 }
 
-DeviceInfo describe(const vk::raii::PhysicalDevice& physical, int index) {
+/// Lowers what `limits` says to what `at_most` says, where that is not 0.
+void lower(DeviceLimits& limits, const DeviceLimits& at_most) {
+  const auto apply = [](auto& value, auto most) { value = most ? std::min(value, most) : value; };
+  apply(limits.max_storage_buffer_bytes, at_most.max_storage_buffer_bytes);
+  apply(limits.max_storage_buffers, at_most.max_storage_buffers);
+  apply(limits.max_workgroup_invocations, at_most.max_workgroup_invocations);
+  apply(limits.max_workgroup_count_x, at_most.max_workgroup_count_x);
+  apply(limits.max_push_constant_bytes, at_most.max_push_constant_bytes);
+  apply(limits.max_shared_memory_bytes, at_most.max_shared_memory_bytes);
+  apply(limits.memory_bytes, at_most.memory_bytes);
+  apply(limits.max_allocation_bytes, at_most.max_allocation_bytes);
+}
+
+DeviceInfo describe(const vk::raii::PhysicalDevice& physical, int index, const DeviceLimits& limits_at_most) {
   DeviceInfo info;
   info.index = index;
   const auto basic = physical.getProperties();
@@ -80,14 +93,17 @@ DeviceInfo describe(const vk::raii::PhysicalDevice& physical, int index) {
     if (memory.memoryHeaps[i].flags & vk::MemoryHeapFlagBits::eDeviceLocal)
       limits.memory_bytes = std::max<std::uint64_t>(limits.memory_bytes, memory.memoryHeaps[i].size);
   if (basic.apiVersion >= VK_API_VERSION_1_1) {
-    const auto chain = physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>();
+    const auto chain = physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties,
+                                               vk::PhysicalDeviceMaintenance3Properties>();
     limits.subgroup_size = chain.get<vk::PhysicalDeviceSubgroupProperties>().subgroupSize;
+    limits.max_allocation_bytes = chain.get<vk::PhysicalDeviceMaintenance3Properties>().maxMemoryAllocationSize;
   }
   if (basic.apiVersion >= VK_API_VERSION_1_2) {
     const auto chain = physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
     const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
     info.driver = std::string(driver.driverName.data()) + " " + driver.driverInfo.data();
   }
+  lower(limits, limits_at_most);
   info.rejected_because = whyUnusable(physical, basic.apiVersion, limits);
   return info;
 }
@@ -213,12 +229,12 @@ void throwDeviceError(const vk::SystemError& error, const std::string& doing) {
   throw DeviceError(DeviceErrorCode::Programming, "Vulkan refused " + doing + " (" + vk::to_string(result) + ").");
 }
 
-std::vector<DeviceInfo> listDevices() {
+std::vector<DeviceInfo> listDevices(const DeviceLimits& limits_at_most) {
   const auto context = makeContext();
   const auto instance = makeInstance(context, false);
   std::vector<DeviceInfo> devices;
   for (const auto& physical : physicalDevices(instance))
-    devices.push_back(describe(physical, static_cast<int>(devices.size())));
+    devices.push_back(describe(physical, static_cast<int>(devices.size()), limits_at_most));
   return devices;
 }
 
@@ -235,7 +251,7 @@ Device::Device(const DeviceOptions& options) : impl_(new Impl{makeContext()}) {
   std::vector<DeviceInfo> infos;
   std::vector<vk::raii::PhysicalDevice> physicals;
   for (auto& physical : physicalDevices(d.instance)) {
-    infos.push_back(describe(physical, static_cast<int>(infos.size())));
+    infos.push_back(describe(physical, static_cast<int>(infos.size()), options.limits_at_most));
     physicals.push_back(std::move(physical));
   }
   const char* environment = std::getenv("ROSEFUSION_DEVICE");
