@@ -22,10 +22,12 @@ std::uint32_t slicesFor(const DeviceInfo& device, std::uint32_t particles) {
 
 }  // namespace
 
-FitnessPass::FitnessPass(Device& device, std::span<const glm::vec4> templates, Loss loss, bool compensate)
+FitnessPass::FitnessPass(Device& device, std::span<const glm::vec4> templates, Loss loss, bool compensate,
+                         std::uint32_t slices)
     : device_(device),
       loss_(loss),
       compensate_(compensate),
+      slices_(slices),
       reduce_(device, shaderCode("fitness_reduce"), 3, sizeof(FitnessReduceParams)) {
   templates_ = Buffer(device, templates.size_bytes(), Memory::Device);
   Buffer stage(device, templates.size_bytes(), Memory::Upload);
@@ -39,7 +41,7 @@ void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectP
   if (32ull * (swarm.first_particle + swarm.particles) > templates_.bytes())
     throw DeviceError(DeviceErrorCode::Programming, "The swarm reaches past the templates on the device.");
   particles_ = swarm.particles;
-  const std::uint32_t slices = slicesFor(device_.info(), swarm.particles);
+  const std::uint32_t slices = slices_ ? slices_ : slicesFor(device_.info(), swarm.particles);
   if (partial_.bytes() < 8ull * slices * swarm.particles)
     partial_ = Buffer(device_, 8ull * slices * swarm.particles, Memory::Device);
   if (loss_buffer_.bytes() < 4ull * swarm.particles) loss_buffer_ = Buffer(device_, 4ull * swarm.particles, Memory::Readback);

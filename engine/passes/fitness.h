@@ -26,7 +26,9 @@ struct SwarmPlacement {
 class FitnessPass {
  public:
   /// `templates`: two vec4 per particle, (x, y, z, 0) and (qx, qy, qz, 0), all templates one after the other.
-  FitnessPass(Device& device, std::span<const glm::vec4> templates, Loss loss, bool compensate = true);
+  /// `slices`: into how many parts the points are split; 0 chooses by the device (CPUs 1, GPUs enough to fill them).
+  FitnessPass(Device& device, std::span<const glm::vec4> templates, Loss loss, bool compensate = true,
+              std::uint32_t slices = 0);
 
   void record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points, const SwarmPlacement& swarm);
   /// After the submit: mean loss per particle in [0, 1], negative when no point was selected.
@@ -36,6 +38,7 @@ class FitnessPass {
   Device& device_;
   Loss loss_;
   bool compensate_;
+  std::uint32_t slices_;
   std::map<std::uint32_t, Kernel> kernels_;  ///< by number of pool chunks
   Kernel reduce_;
   Buffer templates_, partial_, loss_buffer_;
