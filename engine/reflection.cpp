@@ -12,7 +12,8 @@ namespace {
 
 void require(spvc_result result, const ShaderCode& code) {
   if (result != SPVC_SUCCESS)
-    throw DeviceError(DeviceErrorCode::Programming, "The embedded shader " + std::string(code.name) + " cannot be parsed.");
+    throw DeviceError(DeviceErrorCode::Programming,
+                      "The embedded shader " + std::string(code.name) + " cannot be parsed.");
 }
 
 }  // namespace
@@ -25,18 +26,24 @@ ShaderInterface reflect(const ShaderCode& code) {
   spvc_compiler compiler = nullptr;
   spvc_resources resources = nullptr;
   require(spvc_context_parse_spirv(context, code.words.data(), code.words.size(), &ir), code);
-  require(spvc_context_create_compiler(context, SPVC_BACKEND_NONE, ir, SPVC_CAPTURE_MODE_TAKE_OWNERSHIP, &compiler), code);
+  require(spvc_context_create_compiler(context, SPVC_BACKEND_NONE, ir, SPVC_CAPTURE_MODE_TAKE_OWNERSHIP,
+                                       &compiler),
+          code);
   require(spvc_compiler_create_shader_resources(compiler, &resources), code);
 
   ShaderInterface out;
   const spvc_reflected_resource* list = nullptr;
   std::size_t count = 0;
-  require(spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_STORAGE_BUFFER, &list, &count), code);
+  require(
+      spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_STORAGE_BUFFER, &list, &count),
+      code);
   for (std::size_t i = 0; i < count; ++i)
     out.storage_bindings.push_back(spvc_compiler_get_decoration(compiler, list[i].id, SpvDecorationBinding));
   std::sort(out.storage_bindings.begin(), out.storage_bindings.end());
 
-  require(spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_PUSH_CONSTANT, &list, &count), code);
+  require(
+      spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_PUSH_CONSTANT, &list, &count),
+      code);
   if (count > 0) {
     const spvc_type type = spvc_compiler_get_type_handle(compiler, list[0].base_type_id);
     // The block holds one struct (`Params params`), whose members are what the interface header declares.

@@ -16,8 +16,8 @@ struct ShaderMember {
 
 struct ShaderInterface {
   std::vector<std::uint32_t> storage_bindings;  ///< of set 0, ascending
-  std::string push_type;                        ///< name of the push-constant struct; empty when there is none
-  std::uint32_t push_bytes = 0;                 ///< declared size
+  std::string push_type;         ///< name of the push-constant struct; empty when there is none
+  std::uint32_t push_bytes = 0;  ///< declared size
   std::vector<ShaderMember> push_members;
   std::array<std::uint32_t, 3> workgroup{1, 1, 1};
 };

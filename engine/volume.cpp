@@ -14,20 +14,26 @@ namespace {
 
 using namespace shader;
 
-constexpr std::uint32_t kFirstCapacity = 4096;   // blocks: 8 MiB, a fifth of a small room
+constexpr std::uint32_t kFirstCapacity = 4096;  // blocks: 8 MiB, a fifth of a small room
 constexpr double kGrowth = 1.5;
-constexpr int kTableMargin = 8;                  // blocks added around what must be covered
-constexpr std::uint64_t kLargestPool = 1u << 30;  // bytes of one pool buffer, also where a binding may be larger
-constexpr std::array<std::uint64_t, 3> kBlockBytes = {4 * kBlockTsdfWords, 4 * kBlockTsdfWords, 4 * kBlockColourWords};
+constexpr int kTableMargin = 8;  // blocks added around what must be covered
+constexpr std::uint64_t kLargestPool = 1u
+                                       << 30;  // bytes of one pool buffer, also where a binding may be larger
+constexpr std::array<std::uint64_t, 3> kBlockBytes = {4 * kBlockTsdfWords, 4 * kBlockTsdfWords,
+                                                      4 * kBlockColourWords};
 constexpr std::array<std::uint32_t, 3> kEmptyWord = {kUnobservedTsdf, 0, 0};
 
-std::uint64_t entriesOf(glm::ivec3 size) { return std::uint64_t(size.x) * size.y * size.z; }
+std::uint64_t entriesOf(glm::ivec3 size) {
+  return std::uint64_t(size.x) * size.y * size.z;
+}
 
 }  // namespace
 
-Volume::Volume(Device& device, const VolumeOptions& options) : device_(device), options_(options), recorder_(device) {
+Volume::Volume(Device& device, const VolumeOptions& options)
+    : device_(device), options_(options), recorder_(device) {
   const DeviceLimits& limits = device.info().limits;
-  memory_limit_bytes_ = options.memory_limit_bytes ? options.memory_limit_bytes : limits.memory_bytes / 10 * 8;
+  memory_limit_bytes_ =
+      options.memory_limit_bytes ? options.memory_limit_bytes : limits.memory_bytes / 10 * 8;
   const std::uint64_t pool_bytes = std::min(limits.max_storage_buffer_bytes, kLargestPool);
   chunk_shift_ = std::bit_width(pool_bytes / (options.colour ? kBlockBytes[2] : kBlockBytes[0])) - 1;
   layout_ = Buffer(device, sizeof(VolumeLayout), Memory::Device);
@@ -48,9 +54,10 @@ std::uint64_t Volume::memoryBytes() const {
 
 void Volume::requireRoom(std::uint64_t bytes) const {
   if (memoryBytes() + bytes > memory_limit_bytes_)
-    throw DeviceError(DeviceErrorCode::OutOfMemory,
-                      "The volume has reached its limit of " + std::to_string(memory_limit_bytes_ >> 20) +
-                          " MiB; make volume.voxel_size larger, depth.max smaller, or raise volume.memory_limit_mb.");
+    throw DeviceError(
+        DeviceErrorCode::OutOfMemory,
+        "The volume has reached its limit of " + std::to_string(memory_limit_bytes_ >> 20) +
+            " MiB; make volume.voxel_size larger, depth.max smaller, or raise volume.memory_limit_mb.");
 }
 
 Buffer& Volume::staging(std::uint64_t bytes) {
@@ -61,11 +68,13 @@ Buffer& Volume::staging(std::uint64_t bytes) {
 void Volume::growPools(std::uint32_t chunk, std::uint32_t capacity) {
   const int kinds = options_.colour ? 3 : 2;
   std::uint64_t added = 0;
-  for (int kind = 0; kind < kinds; ++kind) added += capacity * kBlockBytes[kind] - pools_[kind][chunk].bytes();
+  for (int kind = 0; kind < kinds; ++kind)
+    added += capacity * kBlockBytes[kind] - pools_[kind][chunk].bytes();
   requireRoom(added);
   // All new buffers before any old one goes, so that running out of memory changes nothing.
   std::array<Buffer, 3> grown;
-  for (int kind = 0; kind < kinds; ++kind) grown[kind] = Buffer(device_, capacity * kBlockBytes[kind], Memory::Device);
+  for (int kind = 0; kind < kinds; ++kind)
+    grown[kind] = Buffer(device_, capacity * kBlockBytes[kind], Memory::Device);
   for (int kind = 0; kind < kinds; ++kind) {
     const std::uint64_t kept = pools_[kind][chunk].bytes();
     if (kept) recorder_.copy(pools_[kind][chunk], grown[kind], kept);
@@ -81,7 +90,8 @@ void Volume::reserve(std::uint32_t slots) {
     const std::uint32_t chunk = capacity_ >> chunk_shift_;
     if (chunk >= kMaxPoolChunks)
       throw DeviceError(DeviceErrorCode::OutOfMemory,
-                        "The scene needs more than " + std::to_string(std::uint64_t(kMaxPoolChunks) << chunk_shift_) +
+                        "The scene needs more than " +
+                            std::to_string(std::uint64_t(kMaxPoolChunks) << chunk_shift_) +
                             " voxel blocks; make volume.voxel_size larger or depth.max smaller.");
     const std::uint32_t in_chunk = capacity_ & (chunk_blocks - 1);
     const std::uint32_t wanted = std::max(slots - (capacity_ - in_chunk), std::uint32_t(in_chunk * kGrowth));
@@ -102,7 +112,8 @@ void Volume::uploadLayout() {
   VolumeLayout layout{};
   layout.table_origin = glm::ivec4(table_origin_, static_cast<int>(chunk_shift_));
   layout.table_size = glm::ivec4(table_size_, 0);
-  layout.scale = glm::vec4(options_.voxel_size, 1 / options_.voxel_size, options_.truncation, options_.max_weight);
+  layout.scale =
+      glm::vec4(options_.voxel_size, 1 / options_.voxel_size, options_.truncation, options_.max_weight);
   Buffer& stage = staging(sizeof(layout));
   std::memcpy(stage.as<char>().data(), &layout, sizeof(layout));
   recorder_.copy(stage, layout_, sizeof(layout));
@@ -117,7 +128,9 @@ void Volume::uploadTable() {
   recorder_.submit();
 }
 
-void Volume::clearRequests() { uploadTable(); }
+void Volume::clearRequests() {
+  uploadTable();
+}
 
 void Volume::cover(glm::ivec3 min, glm::ivec3 max) {
   glm::ivec3 low = min - kTableMargin, high = max + kTableMargin;
@@ -129,8 +142,9 @@ void Volume::cover(glm::ivec3 min, glm::ivec3 max) {
   const glm::ivec3 size = high - low + 1;
   const std::uint64_t bytes = 4 * entriesOf(size);
   if (bytes > device_.info().limits.max_storage_buffer_bytes)
-    throw DeviceError(DeviceErrorCode::OutOfMemory, "The scene's extent is too large for the page table; make "
-                                                    "volume.voxel_size larger or depth.max smaller.");
+    throw DeviceError(DeviceErrorCode::OutOfMemory,
+                      "The scene's extent is too large for the page table; make "
+                      "volume.voxel_size larger or depth.max smaller.");
   requireRoom(bytes - std::min(bytes, table_.bytes()));
   Buffer table(device_, bytes, Memory::Device);
   table_mirror_.assign(entriesOf(size), 0);
@@ -155,33 +169,39 @@ void Volume::addBlocks(std::vector<std::uint32_t> entries) {
   const auto coordinates = stage.as<glm::ivec4>();
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const int e = static_cast<int>(entries[i]);
-    const glm::ivec3 entry(e % table_size_.x, e / table_size_.x % table_size_.y, e / table_size_.x / table_size_.y);
+    const glm::ivec3 entry(e % table_size_.x, e / table_size_.x % table_size_.y,
+                           e / table_size_.x / table_size_.y);
     blocks_.push_back(glm::ivec4(table_origin_ + entry, 0));
     coordinates[i] = blocks_.back();
     table_mirror_[entries[i]] = first_slot + static_cast<std::uint32_t>(i);
   }
-  recorder_.copy(stage, block_buffer_, sizeof(glm::ivec4) * entries.size(), 0, sizeof(glm::ivec4) * first_slot);
+  recorder_.copy(stage, block_buffer_, sizeof(glm::ivec4) * entries.size(), 0,
+                 sizeof(glm::ivec4) * first_slot);
   recorder_.submit();
   uploadTable();
 }
 
-void Volume::visibleBlocks(const glm::mat4& camera_from_world, glm::vec4 focal_centre, glm::ivec4 size, float far,
-                           std::vector<std::uint32_t>& slots) const {
+void Volume::visibleBlocks(const glm::mat4& camera_from_world, glm::vec4 focal_centre, glm::ivec4 size,
+                           float far, std::vector<std::uint32_t>& slots) const {
   const float side = kBlockSide * options_.voxel_size;
   const float radius = side * 0.8661f;  // half the diagonal
   const glm::mat3 rotation(camera_from_world);
   const glm::vec3 translation(camera_from_world[3]);
   // Half-spaces through the optical centre whose planes hold the image's edges; normals point inwards.
-  const float left = (-0.5f - focal_centre.z) / focal_centre.x, right = (size.x - 0.5f - focal_centre.z) / focal_centre.x;
-  float top = (-0.5f - focal_centre.w) / focal_centre.y, bottom = (size.y - 0.5f - focal_centre.w) / focal_centre.y;
+  const float left = (-0.5f - focal_centre.z) / focal_centre.x,
+              right = (size.x - 0.5f - focal_centre.z) / focal_centre.x;
+  float top = (-0.5f - focal_centre.w) / focal_centre.y,
+        bottom = (size.y - 0.5f - focal_centre.w) / focal_centre.y;
   if (top > bottom) std::swap(top, bottom);  // negative fy
-  const std::array<glm::vec3, 4> planes = {glm::normalize(glm::vec3(1, 0, -left)), glm::normalize(glm::vec3(-1, 0, right)),
-                                           glm::normalize(glm::vec3(0, 1, -top)), glm::normalize(glm::vec3(0, -1, bottom))};
+  const std::array<glm::vec3, 4> planes = {
+      glm::normalize(glm::vec3(1, 0, -left)), glm::normalize(glm::vec3(-1, 0, right)),
+      glm::normalize(glm::vec3(0, 1, -top)), glm::normalize(glm::vec3(0, -1, bottom))};
   slots.clear();
   for (std::uint32_t slot = 1; slot < blocks_.size(); ++slot) {
     const glm::vec3 centre = rotation * ((glm::vec3(blocks_[slot]) + 0.5f) * side) + translation;
     if (centre.z < -radius || centre.z > far + radius) continue;
-    if (std::all_of(planes.begin(), planes.end(), [&](const glm::vec3& n) { return glm::dot(n, centre) > -radius; }))
+    if (std::all_of(planes.begin(), planes.end(),
+                    [&](const glm::vec3& n) { return glm::dot(n, centre) > -radius; }))
       slots.push_back(slot);
   }
 }
@@ -194,7 +214,8 @@ VolumeContents Volume::download() {
   for (std::uint32_t chunk = 0; chunk < chunks_; ++chunk) {
     const std::size_t first = std::size_t(chunk) << chunk_shift_;
     const std::size_t slots = std::min<std::size_t>(blocks_.size() - first, std::size_t(1) << chunk_shift_);
-    Buffer tsdf(device_, slots * kBlockBytes[0], Memory::Readback), weight(device_, slots * kBlockBytes[1], Memory::Readback);
+    Buffer tsdf(device_, slots * kBlockBytes[0], Memory::Readback),
+        weight(device_, slots * kBlockBytes[1], Memory::Readback);
     recorder_.copy(pools_[0][chunk], tsdf, slots * kBlockBytes[0]);
     recorder_.copy(pools_[1][chunk], weight, slots * kBlockBytes[1]);
     recorder_.submit();

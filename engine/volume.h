@@ -16,7 +16,7 @@ namespace rosefusion {
 struct VolumeOptions {
   float voxel_size = 0.02f;
   float truncation = 0.06f;
-  float max_weight = 128;             ///< at most 255
+  float max_weight = 128;  ///< at most 255
   bool colour = false;
   std::uint64_t memory_limit_bytes = 0;  ///< of the volume; 0: 80 % of the device's memory
 };
@@ -28,8 +28,9 @@ struct VolumeContents {
   std::vector<float> weight;
 };
 
-/// Grows on demand; nothing is ever evicted. Growing submits work of its own and waits: call it between frames. A
-/// failed growth (DeviceError OutOfMemory, naming the settings to change) leaves the volume as it was.
+/// Grows on demand; nothing is ever evicted. Growing submits work of its own and waits: call it between
+/// frames. A failed growth (DeviceError OutOfMemory, naming the settings to change) leaves the volume as it
+/// was.
 class Volume {
  public:
   Volume(Device& device, const VolumeOptions& options);
@@ -63,7 +64,9 @@ class Volume {
   const Buffer& colour(std::uint32_t chunk) const { return pool(options_.colour ? 2 : 0, chunk); }
 
  private:
-  const Buffer& pool(int kind, std::uint32_t chunk) const { return pools_[kind][chunk < chunks_ ? chunk : 0]; }
+  const Buffer& pool(int kind, std::uint32_t chunk) const {
+    return pools_[kind][chunk < chunks_ ? chunk : 0];
+  }
   void reserve(std::uint32_t slots);
   void growPools(std::uint32_t chunk, std::uint32_t capacity);
   void uploadTable();

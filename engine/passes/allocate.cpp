@@ -8,8 +8,8 @@ namespace {
 
 using namespace shader;
 
-constexpr int kPixelStride = 2;                // two pixels are 1 cm apart at 3 m, well under a block
-constexpr float kSamplesPerBlock = 4;          // along the ray
+constexpr int kPixelStride = 2;        // two pixels are 1 cm apart at 3 m, well under a block
+constexpr float kSamplesPerBlock = 4;  // along the ray
 
 AllocateHeader emptyHeader() {
   constexpr int kMin = std::numeric_limits<int>::min(), kMax = std::numeric_limits<int>::max();
@@ -24,8 +24,8 @@ AllocatePass::AllocatePass(Device& device, std::uint32_t capacity)
       capacity_(capacity),
       requests_(device, sizeof(AllocateHeader) + 4ull * capacity, Memory::Readback) {}
 
-void AllocatePass::record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame, const CameraIntrinsics& camera,
-                          const glm::mat4& world_from_camera) {
+void AllocatePass::record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
+                          const CameraIntrinsics& camera, const glm::mat4& world_from_camera) {
   requests_.as<AllocateHeader>()[0] = emptyHeader();
   AllocateParams params{};
   params.world_from_camera = world_from_camera;
@@ -33,7 +33,8 @@ void AllocatePass::record(Recorder& recorder, const Volume& volume, const Prepro
   // One voxel more than the truncation: trilinear lookups at its edge then find their neighbours.
   params.band = volume.options().truncation + volume.options().voxel_size;
   const float step = kBlockSide * volume.options().voxel_size / kSamplesPerBlock;
-  params.size = glm::ivec4(camera.size.x, camera.size.y, kPixelStride, 1 + static_cast<int>(std::ceil(2 * params.band / step)));
+  params.size = glm::ivec4(camera.size.x, camera.size.y, kPixelStride,
+                           1 + static_cast<int>(std::ceil(2 * params.band / step)));
   params.capacity = capacity_;
   recorder.dispatch(kernel_, {&volume.layoutBuffer(), &volume.table(), &frame.depth(), &requests_}, params,
                     {std::uint32_t(camera.size.x + kPixelStride - 1) / kPixelStride,
@@ -44,7 +45,8 @@ bool AllocatePass::finish(Volume& volume) {
   const AllocateHeader header = requests_.as<AllocateHeader>()[0];
   try {
     if (header.requested > capacity_) {
-      // Which requests were listed depends on the order the device ran in; a list that holds all of them does not.
+      // Which requests were listed depends on the order the device ran in; a list that holds all of them does
+      // not.
       volume.clearRequests();
       requests_ = Buffer(device_, sizeof(AllocateHeader) + 4ull * header.requested, Memory::Readback);
       capacity_ = header.requested;
