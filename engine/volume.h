@@ -19,6 +19,8 @@ struct VolumeOptions {
   float max_weight = 128;  ///< at most 255
   bool colour = false;
   std::uint64_t memory_limit_bytes = 0;  ///< of the volume; 0: 80 % of the device's memory
+  std::uint64_t max_pool_bytes =
+      0;  ///< of one pool buffer; 0: what a binding covers. Small in tests of many pools
 };
 
 /// Where the volume's contents are copied for tests and exports: slot-major, voxels with x fastest.
@@ -26,6 +28,8 @@ struct VolumeContents {
   std::vector<glm::ivec4> blocks;  ///< block coordinate per slot; slot 0 is the unobserved block
   std::vector<float> tsdf;         ///< [-1, 1], kBlockVoxels per slot
   std::vector<float> weight;
+  std::vector<std::uint32_t>
+      colour;  ///< red in the low byte, its own weight in the top one; empty without colour
 };
 
 /// Grows on demand; nothing is ever evicted. Growing submits work of its own and waits: call it between
@@ -33,6 +37,8 @@ struct VolumeContents {
 /// was.
 class Volume {
  public:
+  /// Throws DeviceError: Programming for options outside their range, OutOfMemory for a limit below the first
+  /// pools.
   Volume(Device& device, const VolumeOptions& options);
 
   const VolumeOptions& options() const { return options_; }
@@ -68,7 +74,7 @@ class Volume {
     return pools_[kind][chunk < chunks_ ? chunk : 0];
   }
   void reserve(std::uint32_t slots);
-  void growPools(std::uint32_t chunk, std::uint32_t capacity);
+  void growChunk(std::uint32_t chunk, std::uint32_t size);
   void uploadTable();
   void uploadLayout();
   void requireRoom(std::uint64_t bytes) const;
