@@ -19,8 +19,8 @@ void requireMatch(const ShaderInterface& shader, const ShaderCode& code, std::ui
   if (shader.storage_bindings != expected)
     fail(DeviceErrorCode::Programming,
          "its storage bindings are not 0 to " + std::to_string(bindings) + " - 1.");
-  if (shader.push_bytes != push_bytes)
-    fail(DeviceErrorCode::Programming, "it declares " + std::to_string(shader.push_bytes) +
+  if (shader.push.bytes != push_bytes)
+    fail(DeviceErrorCode::Programming, "it declares " + std::to_string(shader.push.bytes) +
                                            " B of push constants, the pass " + std::to_string(push_bytes) +
                                            " B.");
   const std::uint32_t invocations = shader.workgroup[0] * shader.workgroup[1] * shader.workgroup[2];
