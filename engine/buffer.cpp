@@ -11,30 +11,49 @@ namespace {
 using Property = vk::MemoryPropertyFlagBits;
 
 /// First memory type that has all of `wanted`, else of `needed`; -1 when there is none.
-int memoryType(const vk::PhysicalDeviceMemoryProperties& memory, std::uint32_t allowed, vk::MemoryPropertyFlags needed,
-               vk::MemoryPropertyFlags wanted) {
+int memoryType(const vk::PhysicalDeviceMemoryProperties& memory, std::uint32_t allowed,
+               vk::MemoryPropertyFlags needed, vk::MemoryPropertyFlags wanted) {
   for (const auto flags : {needed | wanted, needed})
     for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i)
-      if ((allowed >> i & 1u) && (memory.memoryTypes[i].propertyFlags & flags) == flags) return static_cast<int>(i);
+      if ((allowed >> i & 1u) && (memory.memoryTypes[i].propertyFlags & flags) == flags)
+        return static_cast<int>(i);
   return -1;
+}
+
+/// Vulkan leaves larger requests undefined, so they are refused before it sees them.
+void requireAtMost(std::uint64_t most, std::uint64_t bytes, const DeviceInfo& device) {
+  if (bytes <= most) return;
+  throw DeviceError(DeviceErrorCode::OutOfMemory,
+                    "A buffer of " + std::to_string(bytes >> 20) + " MiB is more than " + device.name +
+                        " allocates at once (" + std::to_string(most >> 20) +
+                        " MiB); make volume.voxel_size larger or depth.max smaller.");
 }
 
 }  // namespace
 
 Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Impl) {
   Device::Impl& device = owner.impl();
+  requireAtMost(device.info.limits.max_allocation_bytes, bytes, device.info);
   bytes = std::max<std::uint64_t>(16, (bytes + 3) / 4 * 4);
   try {
     using Usage = vk::BufferUsageFlagBits;
-    impl_->buffer = {device.device,
-                     vk::BufferCreateInfo({}, bytes, Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst)};
+    impl_->buffer = {
+        device.device,
+        vk::BufferCreateInfo({}, bytes, Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst)};
     const auto requirements = impl_->buffer.getMemoryRequirements();
     const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
-    const int type = memory == Memory::Device ? memoryType(device.memory, requirements.memoryTypeBits, {}, Property::eDeviceLocal)
-                     : memory == Memory::Upload ? memoryType(device.memory, requirements.memoryTypeBits, host, {})
-                                                : memoryType(device.memory, requirements.memoryTypeBits, host, Property::eHostCached);
-    if (type < 0) throw DeviceError(DeviceErrorCode::MissingLimit, device.info.name + " has no memory type for buffers.");
-    impl_->memory = {device.device, vk::MemoryAllocateInfo(requirements.size, static_cast<std::uint32_t>(type))};
+    const int type =
+        memory == Memory::Device
+            ? memoryType(device.memory, requirements.memoryTypeBits, {}, Property::eDeviceLocal)
+        : memory == Memory::Upload
+            ? memoryType(device.memory, requirements.memoryTypeBits, host, {})
+            : memoryType(device.memory, requirements.memoryTypeBits, host, Property::eHostCached);
+    if (type < 0)
+      throw DeviceError(DeviceErrorCode::MissingLimit, device.info.name + " has no memory type for buffers.");
+    requireAtMost(device.memory.memoryHeaps[device.memory.memoryTypes[type].heapIndex].size,
+                  requirements.size, device.info);
+    impl_->memory = {device.device,
+                     vk::MemoryAllocateInfo(requirements.size, static_cast<std::uint32_t>(type))};
     impl_->buffer.bindMemory(*impl_->memory, 0);
     if (memory != Memory::Device) impl_->mapped = impl_->memory.mapMemory(0, bytes);
   } catch (const vk::SystemError& error) {
@@ -50,7 +69,9 @@ Buffer::~Buffer() = default;
 Buffer::Buffer(Buffer&&) noexcept = default;
 Buffer& Buffer::operator=(Buffer&&) noexcept = default;
 
-std::uint64_t Buffer::bytes() const { return impl_ ? impl_->bytes : 0; }
+std::uint64_t Buffer::bytes() const {
+  return impl_ ? impl_->bytes : 0;
+}
 
 void* Buffer::mapped() const {
   if (!impl_ || !impl_->mapped) throw DeviceError(DeviceErrorCode::Programming, "This buffer is not mapped.");

@@ -11,7 +11,7 @@ namespace rosefusion {
 namespace {
 
 // What the passes need; every desktop and mobile driver known to us has more (spec minima in brackets).
-constexpr std::uint32_t kNeededStorageBuffers = 20;   // [4]; integrate with colour binds 18
+constexpr std::uint32_t kNeededStorageBuffers = 20;   // [4]; integrate binds 17
 constexpr std::uint32_t kNeededInvocations = 128;     // [128]
 constexpr std::uint32_t kNeededPushConstants = 128;   // [128]
 constexpr std::uint32_t kNeededSharedMemory = 16384;  // [16384]
@@ -20,17 +20,22 @@ constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
 DeviceType typeOf(vk::PhysicalDeviceType type) {
   switch (type) {
-    case vk::PhysicalDeviceType::eDiscreteGpu: return DeviceType::Discrete;
-    case vk::PhysicalDeviceType::eIntegratedGpu: return DeviceType::Integrated;
-    case vk::PhysicalDeviceType::eVirtualGpu: return DeviceType::Virtual;
-    case vk::PhysicalDeviceType::eCpu: return DeviceType::Cpu;
-    default: return DeviceType::Other;
+    case vk::PhysicalDeviceType::eDiscreteGpu:
+      return DeviceType::Discrete;
+    case vk::PhysicalDeviceType::eIntegratedGpu:
+      return DeviceType::Integrated;
+    case vk::PhysicalDeviceType::eVirtualGpu:
+      return DeviceType::Virtual;
+    case vk::PhysicalDeviceType::eCpu:
+      return DeviceType::Cpu;
+    default:
+      return DeviceType::Other;
   }
 }
 
 std::string versionText(std::uint32_t version) {
-  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." +
-         std::to_string(VK_API_VERSION_PATCH(version));
+  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) +
+         "." + std::to_string(VK_API_VERSION_PATCH(version));
 }
 
 int computeQueueFamily(const vk::raii::PhysicalDevice& physical) {
@@ -40,11 +45,13 @@ int computeQueueFamily(const vk::raii::PhysicalDevice& physical) {
   return -1;
 }
 
-std::string whyUnusable(const vk::raii::PhysicalDevice& physical, std::uint32_t api_version, const DeviceLimits& limits) {
+std::string whyUnusable(const vk::raii::PhysicalDevice& physical, std::uint32_t api_version,
+                        const DeviceLimits& limits) {
   const auto below = [](const char* what, std::uint64_t has, std::uint64_t needs) {
     return std::string(what) + " is " + std::to_string(has) + ", rosefusion needs " + std::to_string(needs);
   };
-  if (api_version < VK_API_VERSION_1_1) return "it offers Vulkan " + versionText(api_version) + ", rosefusion needs 1.1";
+  if (api_version < VK_API_VERSION_1_1)
+    return "it offers Vulkan " + versionText(api_version) + ", rosefusion needs 1.1";
   if (computeQueueFamily(physical) < 0) return "it has no compute queue";
   if (limits.max_storage_buffers < kNeededStorageBuffers)
     return below("maxPerStageDescriptorStorageBuffers", limits.max_storage_buffers, kNeededStorageBuffers);
@@ -59,7 +66,20 @@ std::string whyUnusable(const vk::raii::PhysicalDevice& physical, std::uint32_t 
   return "";
 }
 
-DeviceInfo describe(const vk::raii::PhysicalDevice& physical, int index) {
+/// Lowers what `limits` says to what `at_most` says, where that is not 0.
+void lower(DeviceLimits& limits, const DeviceLimits& at_most) {
+  const auto apply = [](auto& value, auto most) { value = most ? std::min(value, most) : value; };
+  apply(limits.max_storage_buffer_bytes, at_most.max_storage_buffer_bytes);
+  apply(limits.max_storage_buffers, at_most.max_storage_buffers);
+  apply(limits.max_workgroup_invocations, at_most.max_workgroup_invocations);
+  apply(limits.max_workgroup_count_x, at_most.max_workgroup_count_x);
+  apply(limits.max_push_constant_bytes, at_most.max_push_constant_bytes);
+  apply(limits.max_shared_memory_bytes, at_most.max_shared_memory_bytes);
+  apply(limits.memory_bytes, at_most.memory_bytes);
+  apply(limits.max_allocation_bytes, at_most.max_allocation_bytes);
+}
+
+DeviceInfo describe(const vk::raii::PhysicalDevice& physical, int index, const DeviceLimits& limits_at_most) {
   DeviceInfo info;
   info.index = index;
   const auto basic = physical.getProperties();
@@ -69,8 +89,8 @@ DeviceInfo describe(const vk::raii::PhysicalDevice& physical, int index) {
   info.driver = "version " + std::to_string(basic.driverVersion);
   DeviceLimits& limits = info.limits;
   limits.max_storage_buffer_bytes = basic.limits.maxStorageBufferRange;
-  limits.max_storage_buffers = std::min(basic.limits.maxPerStageDescriptorStorageBuffers,
-                                        basic.limits.maxDescriptorSetStorageBuffers);
+  limits.max_storage_buffers =
+      std::min(basic.limits.maxPerStageDescriptorStorageBuffers, basic.limits.maxDescriptorSetStorageBuffers);
   limits.max_workgroup_invocations = basic.limits.maxComputeWorkGroupInvocations;
   limits.max_workgroup_count_x = basic.limits.maxComputeWorkGroupCount[0];
   limits.max_push_constant_bytes = basic.limits.maxPushConstantsSize;
@@ -80,14 +100,20 @@ DeviceInfo describe(const vk::raii::PhysicalDevice& physical, int index) {
     if (memory.memoryHeaps[i].flags & vk::MemoryHeapFlagBits::eDeviceLocal)
       limits.memory_bytes = std::max<std::uint64_t>(limits.memory_bytes, memory.memoryHeaps[i].size);
   if (basic.apiVersion >= VK_API_VERSION_1_1) {
-    const auto chain = physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>();
+    const auto chain =
+        physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties,
+                                vk::PhysicalDeviceMaintenance3Properties>();
     limits.subgroup_size = chain.get<vk::PhysicalDeviceSubgroupProperties>().subgroupSize;
+    limits.max_allocation_bytes =
+        chain.get<vk::PhysicalDeviceMaintenance3Properties>().maxMemoryAllocationSize;
   }
   if (basic.apiVersion >= VK_API_VERSION_1_2) {
-    const auto chain = physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
+    const auto chain =
+        physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
     const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
     info.driver = std::string(driver.driverName.data()) + " " + driver.driverInfo.data();
   }
+  lower(limits, limits_at_most);
   info.rejected_because = whyUnusable(physical, basic.apiVersion, limits);
   return info;
 }
@@ -125,13 +151,28 @@ vk::raii::Instance makeInstance(const vk::raii::Context& context, bool validatio
   try {
     return {context, vk::InstanceCreateInfo(flags, &application, layers, extensions)};
   } catch (const vk::SystemError&) {
-    throw DeviceError(DeviceErrorCode::NoDriver,
-                      "No Vulkan driver is installed; install the one of your GPU, or mesa-vulkan-drivers, which "
-                      "also runs without a GPU.");
+    throw DeviceError(
+        DeviceErrorCode::NoDriver,
+        "No Vulkan driver is installed; install the one of your GPU, or mesa-vulkan-drivers, which "
+        "also runs without a GPU.");
   }
 }
 
-VKAPI_ATTR VkBool32 VKAPI_CALL keepMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+/// A driver without its hardware makes the loader fail, no driver at all makes the list empty: both mean the
+/// same here.
+std::vector<vk::raii::PhysicalDevice> physicalDevices(const vk::raii::Instance& instance) {
+  try {
+    vk::raii::PhysicalDevices found(instance);
+    if (!found.empty()) return found;
+  } catch (const vk::SystemError&) {
+  }
+  throw DeviceError(DeviceErrorCode::NoDriver,
+                    "No installed Vulkan driver finds a device; install the driver of your "
+                    "GPU, or mesa-vulkan-drivers, which also runs without a GPU.");
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL keepMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                           VkDebugUtilsMessageTypeFlagsEXT,
                                            const VkDebugUtilsMessengerCallbackDataEXT* data, void* messages) {
   static_cast<std::vector<std::string>*>(messages)->push_back(data->pMessage);
   return VK_FALSE;
@@ -146,7 +187,8 @@ bool matches(const DeviceInfo& info, const std::string& select) {
   if (select.empty()) return true;
   if (std::all_of(select.begin(), select.end(), [](unsigned char c) { return std::isdigit(c); }))
     return info.index == std::atoi(select.c_str());
-  return lowered(select) == toString(info.type) || lowered(info.name).find(lowered(select)) != std::string::npos;
+  return lowered(select) == toString(info.type) ||
+         lowered(info.name).find(lowered(select)) != std::string::npos;
 }
 
 /// Index of the best usable device that matches; throws with each device and the reason against it otherwise.
@@ -164,10 +206,8 @@ std::size_t choose(const std::vector<DeviceInfo>& devices, const std::string& se
                (wanted ? info.rejected_because : "is not '" + select + "'") + ".";
   }
   if (best < devices.size()) return best;
-  if (devices.empty())
-    throw DeviceError(DeviceErrorCode::NoDriver, "The Vulkan loader found no device; install your GPU's driver, or "
-                                                 "mesa-vulkan-drivers, which also runs without a GPU.");
-  throw DeviceError(DeviceErrorCode::NoDevice, "No Vulkan device fits; choose another with --device." + reasons);
+  throw DeviceError(DeviceErrorCode::NoDevice,
+                    "No Vulkan device fits; choose another with --device." + reasons);
 }
 
 vk::raii::Device makeDevice(const vk::raii::PhysicalDevice& physical, std::uint32_t family) {
@@ -175,7 +215,8 @@ vk::raii::Device makeDevice(const vk::raii::PhysicalDevice& physical, std::uint3
   const vk::DeviceQueueCreateInfo queue({}, family, 1, &priority);
   std::vector<const char*> extensions;
   for (const auto& extension : physical.enumerateDeviceExtensionProperties())
-    if (std::strcmp(extension.extensionName, "VK_KHR_portability_subset") == 0)  // must be enabled where present
+    if (std::strcmp(extension.extensionName, "VK_KHR_portability_subset") ==
+        0)  // must be enabled where present
       extensions.push_back("VK_KHR_portability_subset");
   return {physical, vk::DeviceCreateInfo({}, queue, {}, extensions)};
 }
@@ -184,11 +225,16 @@ vk::raii::Device makeDevice(const vk::raii::PhysicalDevice& physical, std::uint3
 
 const char* toString(DeviceType type) {
   switch (type) {
-    case DeviceType::Discrete: return "discrete";
-    case DeviceType::Integrated: return "integrated";
-    case DeviceType::Virtual: return "virtual";
-    case DeviceType::Cpu: return "cpu";
-    case DeviceType::Other: break;
+    case DeviceType::Discrete:
+      return "discrete";
+    case DeviceType::Integrated:
+      return "integrated";
+    case DeviceType::Virtual:
+      return "virtual";
+    case DeviceType::Cpu:
+      return "cpu";
+    case DeviceType::Other:
+      break;
   }
   return "other";
 }
@@ -196,21 +242,24 @@ const char* toString(DeviceType type) {
 void throwDeviceError(const vk::SystemError& error, const std::string& doing) {
   const auto result = static_cast<vk::Result>(error.code().value());
   if (result == vk::Result::eErrorOutOfDeviceMemory || result == vk::Result::eErrorOutOfHostMemory)
-    throw DeviceError(DeviceErrorCode::OutOfMemory,
-                      "Device memory is exhausted while " + doing +
-                          "; make volume.voxel_size larger, depth.max smaller, or close other programs on the GPU.");
+    throw DeviceError(
+        DeviceErrorCode::OutOfMemory,
+        "Device memory is exhausted while " + doing +
+            "; make volume.voxel_size larger, depth.max smaller, or close other programs on the GPU.");
   if (result == vk::Result::eErrorDeviceLost)
-    throw DeviceError(DeviceErrorCode::DeviceLost, "The driver lost the device while " + doing +
-                                                       "; look for a GPU reset in the system log and update the driver.");
-  throw DeviceError(DeviceErrorCode::Programming, "Vulkan refused " + doing + " (" + vk::to_string(result) + ").");
+    throw DeviceError(DeviceErrorCode::DeviceLost,
+                      "The driver lost the device while " + doing +
+                          "; look for a GPU reset in the system log and update the driver.");
+  throw DeviceError(DeviceErrorCode::Programming,
+                    "Vulkan refused " + doing + " (" + vk::to_string(result) + ").");
 }
 
-std::vector<DeviceInfo> listDevices() {
+std::vector<DeviceInfo> listDevices(const DeviceLimits& limits_at_most) {
   const auto context = makeContext();
   const auto instance = makeInstance(context, false);
   std::vector<DeviceInfo> devices;
-  for (const auto& physical : vk::raii::PhysicalDevices(instance))
-    devices.push_back(describe(physical, static_cast<int>(devices.size())));
+  for (const auto& physical : physicalDevices(instance))
+    devices.push_back(describe(physical, static_cast<int>(devices.size()), limits_at_most));
   return devices;
 }
 
@@ -226,12 +275,13 @@ Device::Device(const DeviceOptions& options) : impl_(new Impl{makeContext()}) {
   }
   std::vector<DeviceInfo> infos;
   std::vector<vk::raii::PhysicalDevice> physicals;
-  for (auto& physical : vk::raii::PhysicalDevices(d.instance)) {
-    infos.push_back(describe(physical, static_cast<int>(infos.size())));
+  for (auto& physical : physicalDevices(d.instance)) {
+    infos.push_back(describe(physical, static_cast<int>(infos.size()), options.limits_at_most));
     physicals.push_back(std::move(physical));
   }
   const char* environment = std::getenv("ROSEFUSION_DEVICE");
-  const std::size_t chosen = choose(infos, options.select.empty() && environment ? environment : options.select);
+  const std::size_t chosen =
+      choose(infos, options.select.empty() && environment ? environment : options.select);
   d.physical = std::move(physicals[chosen]);
   d.info = infos[chosen];
   d.memory = d.physical.getMemoryProperties();
@@ -239,7 +289,8 @@ Device::Device(const DeviceOptions& options) : impl_(new Impl{makeContext()}) {
   try {
     d.device = makeDevice(d.physical, family);
     d.queue = d.device.getQueue(family, 0);
-    d.command_pool = {d.device, vk::CommandPoolCreateInfo(vk::CommandPoolCreateFlagBits::eResetCommandBuffer, family)};
+    d.command_pool = {d.device,
+                      vk::CommandPoolCreateInfo(vk::CommandPoolCreateFlagBits::eResetCommandBuffer, family)};
     d.pipeline_cache = {d.device, vk::PipelineCacheCreateInfo()};
   } catch (const vk::SystemError& error) {
     throwDeviceError(error, "opening the device " + d.info.name);
@@ -252,8 +303,14 @@ Device::~Device() {
 Device::Device(Device&&) noexcept = default;
 Device& Device::operator=(Device&&) noexcept = default;
 
-const DeviceInfo& Device::info() const { return impl_->info; }
-std::uint64_t Device::allocatedBytes() const { return impl_->allocated_bytes; }
-const std::vector<std::string>& Device::validationMessages() const { return impl_->validation_messages; }
+const DeviceInfo& Device::info() const {
+  return impl_->info;
+}
+std::uint64_t Device::allocatedBytes() const {
+  return impl_->allocated_bytes;
+}
+const std::vector<std::string>& Device::validationMessages() const {
+  return impl_->validation_messages;
+}
 
 }  // namespace rosefusion

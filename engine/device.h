@@ -17,8 +17,9 @@ struct DeviceLimits {
   std::uint32_t max_workgroup_count_x = 0;
   std::uint32_t max_push_constant_bytes = 0;
   std::uint32_t max_shared_memory_bytes = 0;
-  std::uint32_t subgroup_size = 0;  ///< reported only; no pass depends on it
-  std::uint64_t memory_bytes = 0;   ///< largest device-local heap
+  std::uint32_t subgroup_size = 0;         ///< reported only; no pass depends on it
+  std::uint64_t memory_bytes = 0;          ///< largest device-local heap
+  std::uint64_t max_allocation_bytes = 0;  ///< of one buffer
 };
 
 struct DeviceInfo {
@@ -31,18 +32,22 @@ struct DeviceInfo {
   std::string rejected_because;  ///< empty when rosefusion can run on it
 };
 
-/// All devices the loader knows, the unusable ones with the reason. Throws DeviceError (NoDriver) without a loader.
-std::vector<DeviceInfo> listDevices();
+/// All devices the loader knows, the unusable ones with the reason. Throws DeviceError (NoDriver) without a
+/// loader or without a device. `limits_at_most`: as in DeviceOptions.
+std::vector<DeviceInfo> listDevices(const DeviceLimits& limits_at_most = {});
 
 struct DeviceOptions {
-  /// Index, part of the name (any case), or type (discrete, integrated, virtual, cpu). Empty: $ROSEFUSION_DEVICE if
-  /// set, else the best type present, a hardware GPU before the CPU.
+  /// Index, part of the name (any case), or type (discrete, integrated, virtual, cpu). Empty:
+  /// $ROSEFUSION_DEVICE if set, else the best type present, a hardware GPU before the CPU.
   std::string select;
   bool validation = false;  ///< load VK_LAYER_KHRONOS_validation; its absence is a DeviceError
+  /// Non-zero values make the device report no more than that: tests see what smaller devices would do.
+  DeviceLimits limits_at_most;
 };
 
-/// An instance, a logical device and one compute queue. Owning and movable; several may live in one process. Calls on
-/// one Device (and on whatever was made from it) must come from one thread at a time; two Devices are independent.
+/// An instance, a logical device and one compute queue. Owning and movable; several may live in one process.
+/// Calls on one Device (and on whatever was made from it) must come from one thread at a time; two Devices
+/// are independent.
 class Device {
  public:
   explicit Device(const DeviceOptions& options = {});

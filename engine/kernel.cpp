@@ -9,22 +9,24 @@
 namespace rosefusion {
 namespace {
 
-void requireMatch(const ShaderInterface& shader, const ShaderCode& code, std::uint32_t bindings, std::uint32_t push_bytes,
-                  const DeviceInfo& device) {
+void requireMatch(const ShaderInterface& shader, const ShaderCode& code, std::uint32_t bindings,
+                  std::uint32_t push_bytes, const DeviceInfo& device) {
   const auto fail = [&](DeviceErrorCode kind, const std::string& what) {
     throw DeviceError(kind, "Shader " + std::string(code.name) + ": " + what);
   };
   std::vector<std::uint32_t> expected(bindings);
   std::iota(expected.begin(), expected.end(), 0u);
   if (shader.storage_bindings != expected)
-    fail(DeviceErrorCode::Programming, "its storage bindings are not 0 to " + std::to_string(bindings) + " - 1.");
-  if (shader.push_bytes != push_bytes)
-    fail(DeviceErrorCode::Programming, "it declares " + std::to_string(shader.push_bytes) + " B of push constants, the pass " +
-                                           std::to_string(push_bytes) + " B.");
+    fail(DeviceErrorCode::Programming,
+         "its storage bindings are not 0 to " + std::to_string(bindings) + " - 1.");
+  if (shader.push.bytes != push_bytes)
+    fail(DeviceErrorCode::Programming, "it declares " + std::to_string(shader.push.bytes) +
+                                           " B of push constants, the pass " + std::to_string(push_bytes) +
+                                           " B.");
   const std::uint32_t invocations = shader.workgroup[0] * shader.workgroup[1] * shader.workgroup[2];
   if (invocations > device.limits.max_workgroup_invocations)
-    fail(DeviceErrorCode::MissingLimit, "its workgroup of " + std::to_string(invocations) + " is more than " + device.name +
-                                            " runs; choose another device.");
+    fail(DeviceErrorCode::MissingLimit, "its workgroup of " + std::to_string(invocations) + " is more than " +
+                                            device.name + " runs; choose another device.");
 }
 
 }  // namespace
@@ -49,13 +51,16 @@ Kernel::Kernel(Device& owner, const ShaderCode& code, std::uint32_t bindings, st
     if (push_bytes > 0) layout.setPushConstantRanges(push);
     impl_->pipeline_layout = {device.device, layout};
 
-    const vk::raii::ShaderModule module(device.device, vk::ShaderModuleCreateInfo({}, code.words.size_bytes(), code.words.data()));
+    const vk::raii::ShaderModule module(
+        device.device, vk::ShaderModuleCreateInfo({}, code.words.size_bytes(), code.words.data()));
     std::vector<vk::SpecializationMapEntry> entries;
     for (std::uint32_t i = 0; i < constants.size(); ++i) entries.emplace_back(i, 4 * i, 4);
     const vk::SpecializationInfo specialisation(static_cast<std::uint32_t>(entries.size()), entries.data(),
                                                 4 * constants.size(), constants.data());
-    const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main", &specialisation);
-    impl_->pipeline = {device.device, device.pipeline_cache, vk::ComputePipelineCreateInfo({}, stage, *impl_->pipeline_layout)};
+    const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
+                                                  &specialisation);
+    impl_->pipeline = {device.device, device.pipeline_cache,
+                       vk::ComputePipelineCreateInfo({}, stage, *impl_->pipeline_layout)};
   } catch (const vk::SystemError& error) {
     throwDeviceError(error, "building the shader " + impl_->name);
   }

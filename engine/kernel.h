@@ -14,8 +14,8 @@ namespace rosefusion {
 class Kernel {
  public:
   Kernel();
-  /// `bindings`: storage buffers 0 .. bindings-1 of set 0. `constants`: values of specialisation constants 0, 1, ...
-  /// Throws DeviceError (Programming) when bindings or push size are not what the shader declares, and
+  /// `bindings`: storage buffers 0 .. bindings-1 of set 0. `constants`: values of specialisation constants 0,
+  /// 1, ... Throws DeviceError (Programming) when bindings or push size are not what the shader declares, and
   /// (MissingLimit) when the workgroup is larger than the device runs.
   Kernel(Device& device, const ShaderCode& code, std::uint32_t bindings, std::uint32_t push_bytes,
          const std::vector<std::uint32_t>& constants = {});

@@ -11,6 +11,11 @@ namespace rosefusion {
 namespace {
 constexpr std::uint32_t kSetsPerSubmit = 256;
 constexpr std::uint32_t kDescriptorsPerSubmit = kSetsPerSubmit * 20;
+
+void requireInside(const Buffer& buffer, std::uint64_t offset, std::uint64_t bytes) {
+  if (offset > buffer.bytes() || bytes > buffer.bytes() - offset)
+    throw DeviceError(DeviceErrorCode::Programming, "A copy or fill reaches past the end of a buffer.");
+}
 }  // namespace
 
 struct Recorder::Impl {
@@ -18,7 +23,7 @@ struct Recorder::Impl {
   vk::raii::CommandBuffer commands = nullptr;
   vk::raii::DescriptorPool pool = nullptr;
   vk::raii::Fence fence = nullptr;
-  std::vector<vk::DescriptorSet> sets;  // freed with the pool's reset
+  std::uint32_t sets_used = 0;  // freed with the pool's reset
   bool recording = false;
 
   void begin() {
@@ -30,20 +35,31 @@ struct Recorder::Impl {
     using Stage = vk::PipelineStageFlagBits;
     using Access = vk::AccessFlagBits;
     const vk::MemoryBarrier all(Access::eShaderWrite | Access::eTransferWrite,
-                                Access::eShaderRead | Access::eShaderWrite | Access::eTransferRead | Access::eTransferWrite |
-                                    Access::eHostRead);
+                                Access::eShaderRead | Access::eShaderWrite | Access::eTransferRead |
+                                    Access::eTransferWrite | Access::eHostRead);
     commands.pipelineBarrier(Stage::eComputeShader | Stage::eTransfer,
                              Stage::eComputeShader | Stage::eTransfer | Stage::eHost, {}, all, {}, {});
   }
-  void bind(const Kernel::Impl& kernel, std::span<const Buffer* const> buffers, const void* push, std::uint32_t push_bytes) {
+  void bind(const Kernel::Impl& kernel, std::span<const Buffer* const> buffers, const void* push,
+            std::uint32_t push_bytes) {
     if (buffers.size() != kernel.bindings || push_bytes != kernel.push_bytes)
-      throw DeviceError(DeviceErrorCode::Programming, "Kernel " + kernel.name + " was given " + std::to_string(buffers.size()) +
-                                                          " buffers and " + std::to_string(push_bytes) + " B of constants.");
+      throw DeviceError(DeviceErrorCode::Programming, "Kernel " + kernel.name + " was given " +
+                                                          std::to_string(buffers.size()) + " buffers and " +
+                                                          std::to_string(push_bytes) + " B of constants.");
+    for (const Buffer* buffer : buffers)
+      if (!buffer || !*buffer)
+        throw DeviceError(DeviceErrorCode::Programming,
+                          "Kernel " + kernel.name + " was given an empty buffer.");
+    if (sets_used == kSetsPerSubmit)
+      throw DeviceError(DeviceErrorCode::Programming,
+                        "More than " + std::to_string(kSetsPerSubmit) + " dispatches in one submit.");
     begin();
     const vk::DescriptorSetLayout layout = *kernel.set_layout;
     // Allocated unowned: the pool is reset as a whole after each submit.
-    const vk::DescriptorSet set =
-        (*device.device).allocateDescriptorSets(vk::DescriptorSetAllocateInfo(*pool, layout), *device.device.getDispatcher())[0];
+    const vk::DescriptorSet set = (*device.device)
+                                      .allocateDescriptorSets(vk::DescriptorSetAllocateInfo(*pool, layout),
+                                                              *device.device.getDispatcher())[0];
+    ++sets_used;
     std::vector<vk::DescriptorBufferInfo> infos;
     infos.reserve(buffers.size());
     for (const Buffer* buffer : buffers) infos.emplace_back(*buffer->impl().buffer, 0, VK_WHOLE_SIZE);
@@ -63,7 +79,8 @@ Recorder::Recorder(Device& owner) : impl_(new Impl{owner.impl()}) {
   Device::Impl& device = impl_->device;
   try {
     impl_->commands = std::move(
-        vk::raii::CommandBuffers(device.device, {*device.command_pool, vk::CommandBufferLevel::ePrimary, 1}).front());
+        vk::raii::CommandBuffers(device.device, {*device.command_pool, vk::CommandBufferLevel::ePrimary, 1})
+            .front());
     const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, kDescriptorsPerSubmit);
     impl_->pool = {device.device, vk::DescriptorPoolCreateInfo({}, kSetsPerSubmit, size)};
     impl_->fence = {device.device, vk::FenceCreateInfo()};
@@ -94,15 +111,20 @@ void Recorder::dispatchGroups(const Kernel& kernel, std::span<const Buffer* cons
   impl_->barrier();
 }
 
-void Recorder::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, std::uint64_t from_offset, std::uint64_t to_offset) {
+void Recorder::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, std::uint64_t from_offset,
+                    std::uint64_t to_offset) {
   if (bytes == 0) return;
+  requireInside(from, from_offset, bytes);
+  requireInside(to, to_offset, bytes);
   impl_->begin();
-  impl_->commands.copyBuffer(*from.impl().buffer, *to.impl().buffer, vk::BufferCopy(from_offset, to_offset, bytes));
+  impl_->commands.copyBuffer(*from.impl().buffer, *to.impl().buffer,
+                             vk::BufferCopy(from_offset, to_offset, bytes));
   impl_->barrier();
 }
 
 void Recorder::fill(const Buffer& buffer, std::uint32_t word, std::uint64_t offset, std::uint64_t bytes) {
   if (bytes == 0) return;
+  requireInside(buffer, offset, bytes);
   impl_->begin();
   impl_->commands.fillBuffer(*buffer.impl().buffer, offset, bytes, word);
   impl_->barrier();
@@ -116,11 +138,13 @@ void Recorder::submit() {
     impl_->recording = false;
     const vk::CommandBuffer commands = *impl_->commands;
     device.queue.submit(vk::SubmitInfo({}, {}, commands), *impl_->fence);
-    const auto result = device.device.waitForFences(*impl_->fence, true, std::numeric_limits<std::uint64_t>::max());
+    const auto result =
+        device.device.waitForFences(*impl_->fence, true, std::numeric_limits<std::uint64_t>::max());
     if (result != vk::Result::eSuccess)
       throw DeviceError(DeviceErrorCode::DeviceLost, device.info.name + " did not finish its work.");
     device.device.resetFences(*impl_->fence);
     impl_->pool.reset();
+    impl_->sets_used = 0;
   } catch (const vk::SystemError& error) {
     throwDeviceError(error, "running compute work");
   }

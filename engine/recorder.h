@@ -17,7 +17,8 @@ struct Threads {
   std::uint32_t z = 1;
 };
 
-/// Commands run in order, each seeing all that the ones before wrote. Nothing runs before submit(). Movable; one thread.
+/// Commands run in order, each seeing all that the ones before wrote. Nothing runs before submit(). Movable;
+/// one thread. A pass object owns the buffers it fills, so record it once per submit.
 class Recorder {
  public:
   explicit Recorder(Device& device);
@@ -25,17 +26,20 @@ class Recorder {
   Recorder(Recorder&&) noexcept;
   Recorder& operator=(Recorder&&) noexcept;
 
-  /// `buffers[i]` is storage binding i. Throws DeviceError (Programming) for a wrong number of buffers or push size.
+  /// `buffers[i]` is storage binding i. Throws DeviceError (Programming) for a wrong number of buffers, an
+  /// empty buffer, a wrong push size, or more than 256 dispatches since the last submit.
   template <typename Params>
-  void dispatch(const Kernel& kernel, std::initializer_list<const Buffer*> buffers, const Params& params, Threads threads) {
+  void dispatch(const Kernel& kernel, std::initializer_list<const Buffer*> buffers, const Params& params,
+                Threads threads) {
     dispatchBytes(kernel, {buffers.begin(), buffers.size()}, &params, sizeof(Params), threads);
   }
-  void dispatchBytes(const Kernel& kernel, std::span<const Buffer* const> buffers, const void* push, std::uint32_t push_bytes,
-                     Threads threads);
-  /// The same with `groups` workgroups laid out on x and y, for kernels with one workgroup per item: the item is
-  /// gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, and may exceed groups - 1.
-  void dispatchGroups(const Kernel& kernel, std::span<const Buffer* const> buffers, const void* push, std::uint32_t push_bytes,
-                      std::uint32_t groups);
+  void dispatchBytes(const Kernel& kernel, std::span<const Buffer* const> buffers, const void* push,
+                     std::uint32_t push_bytes, Threads threads);
+  /// The same with `groups` workgroups laid out on x and y, for kernels with one workgroup per item: the item
+  /// is gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, and may exceed groups - 1.
+  void dispatchGroups(const Kernel& kernel, std::span<const Buffer* const> buffers, const void* push,
+                      std::uint32_t push_bytes, std::uint32_t groups);
+  /// Throws DeviceError (Programming) when the bytes lie outside a buffer; so does fill().
   void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, std::uint64_t from_offset = 0,
             std::uint64_t to_offset = 0);
   /// Offset and size in bytes, multiples of 4.

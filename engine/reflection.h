@@ -14,11 +14,17 @@ struct ShaderMember {
   std::uint32_t offset_bytes = 0;
 };
 
+/// A struct as the shader lays it out; `bytes` reaches to the end of its last member.
+struct ShaderStruct {
+  std::string name;
+  std::uint32_t bytes = 0;
+  std::vector<ShaderMember> members;
+};
+
 struct ShaderInterface {
   std::vector<std::uint32_t> storage_bindings;  ///< of set 0, ascending
-  std::string push_type;                        ///< name of the push-constant struct; empty when there is none
-  std::uint32_t push_bytes = 0;                 ///< declared size
-  std::vector<ShaderMember> push_members;
+  ShaderStruct push;                            ///< push constants; no name and no bytes when there are none
+  std::vector<ShaderStruct> storage_structs;    ///< structs directly inside storage buffers, each type once
   std::array<std::uint32_t, 3> workgroup{1, 1, 1};
 };
 

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
+#include <glm/vector_relational.hpp>
 
 #include "engine/error.h"
 
@@ -14,21 +16,42 @@ namespace {
 
 using namespace shader;
 
-constexpr std::uint32_t kFirstCapacity = 4096;   // blocks: 8 MiB, a fifth of a small room
+constexpr std::uint32_t kFirstCapacity = 4096;  // blocks: 8 MiB, a fifth of a small room
 constexpr double kGrowth = 1.5;
-constexpr int kTableMargin = 8;                  // blocks added around what must be covered
-constexpr std::uint64_t kLargestPool = 1u << 30;  // bytes of one pool buffer, also where a binding may be larger
-constexpr std::array<std::uint64_t, 3> kBlockBytes = {4 * kBlockTsdfWords, 4 * kBlockTsdfWords, 4 * kBlockColourWords};
+constexpr int kTableMargin = 8;  // blocks added around what must be covered
+constexpr std::uint64_t kLargestPool = 1u
+                                       << 30;  // bytes of one pool buffer, also where a binding may be larger
+constexpr std::array<std::uint64_t, 3> kBlockBytes = {4 * kBlockTsdfWords, 4 * kBlockTsdfWords,
+                                                      4 * kBlockColourWords};
 constexpr std::array<std::uint32_t, 3> kEmptyWord = {kUnobservedTsdf, 0, 0};
 
-std::uint64_t entriesOf(glm::ivec3 size) { return std::uint64_t(size.x) * size.y * size.z; }
+constexpr int kFarthestBlock = 1 << 19;  // 84 km at 2 cm; table sizes up to here do not overflow 64 bits
+
+void requireValid(const VolumeOptions& options) {
+  const bool valid = std::isfinite(options.voxel_size) && options.voxel_size > 0 &&
+                     std::isfinite(options.truncation) && options.truncation > 0 && options.max_weight >= 1 &&
+                     options.max_weight <= 255 &&
+                     (options.max_pool_bytes == 0 || options.max_pool_bytes >= kBlockBytes[2]);
+  if (!valid)
+    throw DeviceError(DeviceErrorCode::Programming,
+                      "The volume's options are outside their range (voxel_size > 0, "
+                      "truncation > 0, max_weight 1 to 255, max_pool_bytes 0 or 2048 up).");
+}
+
+std::uint64_t entriesOf(glm::ivec3 size) {
+  return std::uint64_t(size.x) * size.y * size.z;
+}
 
 }  // namespace
 
-Volume::Volume(Device& device, const VolumeOptions& options) : device_(device), options_(options), recorder_(device) {
+Volume::Volume(Device& device, const VolumeOptions& options)
+    : device_(device), options_(options), recorder_(device) {
+  requireValid(options);
   const DeviceLimits& limits = device.info().limits;
-  memory_limit_bytes_ = options.memory_limit_bytes ? options.memory_limit_bytes : limits.memory_bytes / 10 * 8;
-  const std::uint64_t pool_bytes = std::min(limits.max_storage_buffer_bytes, kLargestPool);
+  memory_limit_bytes_ =
+      options.memory_limit_bytes ? options.memory_limit_bytes : limits.memory_bytes / 10 * 8;
+  std::uint64_t pool_bytes = std::min(limits.max_storage_buffer_bytes, kLargestPool);
+  if (options.max_pool_bytes) pool_bytes = std::min(pool_bytes, options.max_pool_bytes);
   chunk_shift_ = std::bit_width(pool_bytes / (options.colour ? kBlockBytes[2] : kBlockBytes[0])) - 1;
   layout_ = Buffer(device, sizeof(VolumeLayout), Memory::Device);
   blocks_.push_back(glm::ivec4(0));
@@ -48,9 +71,10 @@ std::uint64_t Volume::memoryBytes() const {
 
 void Volume::requireRoom(std::uint64_t bytes) const {
   if (memoryBytes() + bytes > memory_limit_bytes_)
-    throw DeviceError(DeviceErrorCode::OutOfMemory,
-                      "The volume has reached its limit of " + std::to_string(memory_limit_bytes_ >> 20) +
-                          " MiB; make volume.voxel_size larger, depth.max smaller, or raise volume.memory_limit_mb.");
+    throw DeviceError(
+        DeviceErrorCode::OutOfMemory,
+        "The volume has reached its limit of " + std::to_string(memory_limit_bytes_ >> 20) +
+            " MiB; make volume.voxel_size larger, depth.max smaller, or raise volume.memory_limit_mb.");
 }
 
 Buffer& Volume::staging(std::uint64_t bytes) {
@@ -58,21 +82,29 @@ Buffer& Volume::staging(std::uint64_t bytes) {
   return staging_;
 }
 
-void Volume::growPools(std::uint32_t chunk, std::uint32_t capacity) {
+void Volume::growChunk(std::uint32_t chunk, std::uint32_t size) {
   const int kinds = options_.colour ? 3 : 2;
-  std::uint64_t added = 0;
-  for (int kind = 0; kind < kinds; ++kind) added += capacity * kBlockBytes[kind] - pools_[kind][chunk].bytes();
+  const std::uint32_t capacity = (chunk << chunk_shift_) + size;
+  const std::uint64_t coordinate_bytes = sizeof(glm::ivec4) * capacity;
+  std::uint64_t added = coordinate_bytes - block_buffer_.bytes();
+  for (int kind = 0; kind < kinds; ++kind) added += size * kBlockBytes[kind] - pools_[kind][chunk].bytes();
   requireRoom(added);
   // All new buffers before any old one goes, so that running out of memory changes nothing.
+  Buffer coordinates(device_, coordinate_bytes, Memory::Device);
   std::array<Buffer, 3> grown;
-  for (int kind = 0; kind < kinds; ++kind) grown[kind] = Buffer(device_, capacity * kBlockBytes[kind], Memory::Device);
+  for (int kind = 0; kind < kinds; ++kind)
+    grown[kind] = Buffer(device_, size * kBlockBytes[kind], Memory::Device);
   for (int kind = 0; kind < kinds; ++kind) {
     const std::uint64_t kept = pools_[kind][chunk].bytes();
     if (kept) recorder_.copy(pools_[kind][chunk], grown[kind], kept);
     recorder_.fill(grown[kind], kEmptyWord[kind], kept, grown[kind].bytes() - kept);
   }
+  if (block_buffer_) recorder_.copy(block_buffer_, coordinates, block_buffer_.bytes());
   recorder_.submit();
   for (int kind = 0; kind < kinds; ++kind) pools_[kind][chunk] = std::move(grown[kind]);
+  block_buffer_ = std::move(coordinates);
+  capacity_ = capacity;
+  chunks_ = chunk + 1;
 }
 
 void Volume::reserve(std::uint32_t slots) {
@@ -81,20 +113,19 @@ void Volume::reserve(std::uint32_t slots) {
     const std::uint32_t chunk = capacity_ >> chunk_shift_;
     if (chunk >= kMaxPoolChunks)
       throw DeviceError(DeviceErrorCode::OutOfMemory,
-                        "The scene needs more than " + std::to_string(std::uint64_t(kMaxPoolChunks) << chunk_shift_) +
+                        "The scene needs more than " +
+                            std::to_string(std::uint64_t(kMaxPoolChunks) << chunk_shift_) +
                             " voxel blocks; make volume.voxel_size larger or depth.max smaller.");
     const std::uint32_t in_chunk = capacity_ & (chunk_blocks - 1);
-    const std::uint32_t wanted = std::max(slots - (capacity_ - in_chunk), std::uint32_t(in_chunk * kGrowth));
-    const std::uint32_t size = std::min(chunk_blocks, std::max(kFirstCapacity, wanted));
-    growPools(chunk, size);
-    capacity_ = chunk * chunk_blocks + size;
-    if (chunk + 1 > chunks_) chunks_ = chunk + 1;
-    Buffer coordinates(device_, sizeof(glm::ivec4) * capacity_, Memory::Device);
-    if (block_buffer_) {
-      recorder_.copy(block_buffer_, coordinates, block_buffer_.bytes());
-      recorder_.submit();
+    const std::uint32_t needed = std::min(chunk_blocks, slots - (chunk << chunk_shift_));
+    const std::uint32_t wanted =
+        std::min(chunk_blocks, std::max({needed, kFirstCapacity, std::uint32_t(in_chunk * kGrowth)}));
+    try {
+      growChunk(chunk, wanted);
+    } catch (const DeviceError& error) {
+      if (error.code() != DeviceErrorCode::OutOfMemory || wanted == needed) throw;
+      growChunk(chunk, needed);  // the last room counts too
     }
-    block_buffer_ = std::move(coordinates);
   }
 }
 
@@ -102,7 +133,8 @@ void Volume::uploadLayout() {
   VolumeLayout layout{};
   layout.table_origin = glm::ivec4(table_origin_, static_cast<int>(chunk_shift_));
   layout.table_size = glm::ivec4(table_size_, 0);
-  layout.scale = glm::vec4(options_.voxel_size, 1 / options_.voxel_size, options_.truncation, options_.max_weight);
+  layout.scale =
+      glm::vec4(options_.voxel_size, 1 / options_.voxel_size, options_.truncation, options_.max_weight);
   Buffer& stage = staging(sizeof(layout));
   std::memcpy(stage.as<char>().data(), &layout, sizeof(layout));
   recorder_.copy(stage, layout_, sizeof(layout));
@@ -117,9 +149,19 @@ void Volume::uploadTable() {
   recorder_.submit();
 }
 
-void Volume::clearRequests() { uploadTable(); }
+void Volume::clearRequests() {
+  uploadTable();
+}
 
 void Volume::cover(glm::ivec3 min, glm::ivec3 max) {
+  const auto requireExtent = [](bool fits) {
+    if (!fits)
+      throw DeviceError(DeviceErrorCode::OutOfMemory,
+                        "The scene's extent is too large for the page table; make "
+                        "volume.voxel_size larger or depth.max smaller.");
+  };
+  requireExtent(glm::all(glm::greaterThan(min, glm::ivec3(-kFarthestBlock))) &&
+                glm::all(glm::lessThan(max, glm::ivec3(kFarthestBlock))));
   glm::ivec3 low = min - kTableMargin, high = max + kTableMargin;
   if (blockCount() > 0) {
     // The old content lies inside the old table's border of 1.
@@ -128,10 +170,9 @@ void Volume::cover(glm::ivec3 min, glm::ivec3 max) {
   }
   const glm::ivec3 size = high - low + 1;
   const std::uint64_t bytes = 4 * entriesOf(size);
-  if (bytes > device_.info().limits.max_storage_buffer_bytes)
-    throw DeviceError(DeviceErrorCode::OutOfMemory, "The scene's extent is too large for the page table; make "
-                                                    "volume.voxel_size larger or depth.max smaller.");
+  requireExtent(bytes <= device_.info().limits.max_storage_buffer_bytes);
   requireRoom(bytes - std::min(bytes, table_.bytes()));
+  staging(bytes);  // like the table, before anything changes
   Buffer table(device_, bytes, Memory::Device);
   table_mirror_.assign(entriesOf(size), 0);
   for (std::uint32_t slot = 1; slot < blocks_.size(); ++slot) {
@@ -155,33 +196,39 @@ void Volume::addBlocks(std::vector<std::uint32_t> entries) {
   const auto coordinates = stage.as<glm::ivec4>();
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const int e = static_cast<int>(entries[i]);
-    const glm::ivec3 entry(e % table_size_.x, e / table_size_.x % table_size_.y, e / table_size_.x / table_size_.y);
+    const glm::ivec3 entry(e % table_size_.x, e / table_size_.x % table_size_.y,
+                           e / table_size_.x / table_size_.y);
     blocks_.push_back(glm::ivec4(table_origin_ + entry, 0));
     coordinates[i] = blocks_.back();
     table_mirror_[entries[i]] = first_slot + static_cast<std::uint32_t>(i);
   }
-  recorder_.copy(stage, block_buffer_, sizeof(glm::ivec4) * entries.size(), 0, sizeof(glm::ivec4) * first_slot);
+  recorder_.copy(stage, block_buffer_, sizeof(glm::ivec4) * entries.size(), 0,
+                 sizeof(glm::ivec4) * first_slot);
   recorder_.submit();
   uploadTable();
 }
 
-void Volume::visibleBlocks(const glm::mat4& camera_from_world, glm::vec4 focal_centre, glm::ivec4 size, float far,
-                           std::vector<std::uint32_t>& slots) const {
+void Volume::visibleBlocks(const glm::mat4& camera_from_world, glm::vec4 focal_centre, glm::ivec4 size,
+                           float far, std::vector<std::uint32_t>& slots) const {
   const float side = kBlockSide * options_.voxel_size;
   const float radius = side * 0.8661f;  // half the diagonal
   const glm::mat3 rotation(camera_from_world);
   const glm::vec3 translation(camera_from_world[3]);
   // Half-spaces through the optical centre whose planes hold the image's edges; normals point inwards.
-  const float left = (-0.5f - focal_centre.z) / focal_centre.x, right = (size.x - 0.5f - focal_centre.z) / focal_centre.x;
-  float top = (-0.5f - focal_centre.w) / focal_centre.y, bottom = (size.y - 0.5f - focal_centre.w) / focal_centre.y;
+  const float left = (-0.5f - focal_centre.z) / focal_centre.x,
+              right = (size.x - 0.5f - focal_centre.z) / focal_centre.x;
+  float top = (-0.5f - focal_centre.w) / focal_centre.y,
+        bottom = (size.y - 0.5f - focal_centre.w) / focal_centre.y;
   if (top > bottom) std::swap(top, bottom);  // negative fy
-  const std::array<glm::vec3, 4> planes = {glm::normalize(glm::vec3(1, 0, -left)), glm::normalize(glm::vec3(-1, 0, right)),
-                                           glm::normalize(glm::vec3(0, 1, -top)), glm::normalize(glm::vec3(0, -1, bottom))};
+  const std::array<glm::vec3, 4> planes = {
+      glm::normalize(glm::vec3(1, 0, -left)), glm::normalize(glm::vec3(-1, 0, right)),
+      glm::normalize(glm::vec3(0, 1, -top)), glm::normalize(glm::vec3(0, -1, bottom))};
   slots.clear();
   for (std::uint32_t slot = 1; slot < blocks_.size(); ++slot) {
     const glm::vec3 centre = rotation * ((glm::vec3(blocks_[slot]) + 0.5f) * side) + translation;
     if (centre.z < -radius || centre.z > far + radius) continue;
-    if (std::all_of(planes.begin(), planes.end(), [&](const glm::vec3& n) { return glm::dot(n, centre) > -radius; }))
+    if (std::all_of(planes.begin(), planes.end(),
+                    [&](const glm::vec3& n) { return glm::dot(n, centre) > -radius; }))
       slots.push_back(slot);
   }
 }
@@ -191,19 +238,28 @@ VolumeContents Volume::download() {
   out.blocks = blocks_;
   out.tsdf.resize(blocks_.size() * kBlockVoxels);
   out.weight.resize(out.tsdf.size());
+  out.colour.resize(options_.colour ? out.tsdf.size() : 0);
   for (std::uint32_t chunk = 0; chunk < chunks_; ++chunk) {
     const std::size_t first = std::size_t(chunk) << chunk_shift_;
+    if (first >= blocks_.size()) break;  // a pool made for a growth that then failed
     const std::size_t slots = std::min<std::size_t>(blocks_.size() - first, std::size_t(1) << chunk_shift_);
-    Buffer tsdf(device_, slots * kBlockBytes[0], Memory::Readback), weight(device_, slots * kBlockBytes[1], Memory::Readback);
-    recorder_.copy(pools_[0][chunk], tsdf, slots * kBlockBytes[0]);
-    recorder_.copy(pools_[1][chunk], weight, slots * kBlockBytes[1]);
-    recorder_.submit();
+    const auto fetch = [&](int kind) {
+      Buffer mapped(device_, slots * kBlockBytes[kind], Memory::Readback);
+      recorder_.copy(pools_[kind][chunk], mapped, slots * kBlockBytes[kind]);
+      recorder_.submit();
+      return mapped;
+    };
+    const std::size_t voxels = slots * kBlockVoxels, first_voxel = first * kBlockVoxels;
+    const Buffer tsdf = fetch(0), weight = fetch(1);
     const auto t = tsdf.as<std::int16_t>();
     const auto w = weight.as<std::uint16_t>();
-    for (std::size_t i = 0; i < slots * kBlockVoxels; ++i) {
-      out.tsdf[first * kBlockVoxels + i] = std::max(-1.0f, t[i] / 32767.0f);
-      out.weight[first * kBlockVoxels + i] = w[i] / kWeightOne;
+    for (std::size_t i = 0; i < voxels; ++i) {
+      out.tsdf[first_voxel + i] = std::max(-1.0f, t[i] / 32767.0f);
+      out.weight[first_voxel + i] = w[i] / kWeightOne;
     }
+    if (!options_.colour) continue;
+    const Buffer colour = fetch(2);
+    std::memcpy(&out.colour[first_voxel], colour.as<char>().data(), 4 * voxels);
   }
   return out;
 }

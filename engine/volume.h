@@ -16,9 +16,11 @@ namespace rosefusion {
 struct VolumeOptions {
   float voxel_size = 0.02f;
   float truncation = 0.06f;
-  float max_weight = 128;             ///< at most 255
+  float max_weight = 128;  ///< at most 255
   bool colour = false;
   std::uint64_t memory_limit_bytes = 0;  ///< of the volume; 0: 80 % of the device's memory
+  std::uint64_t max_pool_bytes =
+      0;  ///< of one pool buffer; 0: what a binding covers. Small in tests of many pools
 };
 
 /// Where the volume's contents are copied for tests and exports: slot-major, voxels with x fastest.
@@ -26,12 +28,17 @@ struct VolumeContents {
   std::vector<glm::ivec4> blocks;  ///< block coordinate per slot; slot 0 is the unobserved block
   std::vector<float> tsdf;         ///< [-1, 1], kBlockVoxels per slot
   std::vector<float> weight;
+  std::vector<std::uint32_t>
+      colour;  ///< red in the low byte, its own weight in the top one; empty without colour
 };
 
-/// Grows on demand; nothing is ever evicted. Growing submits work of its own and waits: call it between frames. A
-/// failed growth (DeviceError OutOfMemory, naming the settings to change) leaves the volume as it was.
+/// Grows on demand; nothing is ever evicted. Growing submits work of its own and waits: call it between
+/// frames. A failed growth (DeviceError OutOfMemory, naming the settings to change) leaves the volume as it
+/// was.
 class Volume {
  public:
+  /// Throws DeviceError: Programming for options outside their range, OutOfMemory for a limit below the first
+  /// pools.
   Volume(Device& device, const VolumeOptions& options);
 
   const VolumeOptions& options() const { return options_; }
@@ -63,9 +70,11 @@ class Volume {
   const Buffer& colour(std::uint32_t chunk) const { return pool(options_.colour ? 2 : 0, chunk); }
 
  private:
-  const Buffer& pool(int kind, std::uint32_t chunk) const { return pools_[kind][chunk < chunks_ ? chunk : 0]; }
+  const Buffer& pool(int kind, std::uint32_t chunk) const {
+    return pools_[kind][chunk < chunks_ ? chunk : 0];
+  }
   void reserve(std::uint32_t slots);
-  void growPools(std::uint32_t chunk, std::uint32_t capacity);
+  void growChunk(std::uint32_t chunk, std::uint32_t size);
   void uploadTable();
   void uploadLayout();
   void requireRoom(std::uint64_t bytes) const;

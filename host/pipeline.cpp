@@ -77,10 +77,13 @@ std::vector<std::uint32_t> packColour(const cv::Mat& bgr) {
 }  // namespace
 
 const char* toString(TrackingStatus status) {
-  return status == TrackingStatus::Tracked ? "tracked" : status == TrackingStatus::Uncertain ? "uncertain" : "lost";
+  return status == TrackingStatus::Tracked     ? "tracked"
+         : status == TrackingStatus::Uncertain ? "uncertain"
+                                               : "lost";
 }
 
-Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& intrinsics, double depth_units_per_metre)
+Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& intrinsics,
+                   double depth_units_per_metre)
     : device_(device),
       settings_((requireConsistent(settings), settings)),
       intrinsics_(intrinsics),
@@ -117,8 +120,9 @@ void Pipeline::preprocess(const Frame& frame) {
   if (depth.type() != CV_16UC1 || depth.cols != intrinsics_.width || depth.rows != intrinsics_.height)
     throw InputError("A depth frame must be a 16-bit image of " + std::to_string(intrinsics_.width) + " x " +
                      std::to_string(intrinsics_.height) + " pixels, as the camera was described.");
-  preprocess_.record(recorder_, {depth.ptr<std::uint16_t>(), depth.total()}, static_cast<float>(1 / depth_units_per_metre_),
-                     static_cast<float>(settings_.depth.min), static_cast<float>(settings_.depth.max));
+  preprocess_.record(recorder_, {depth.ptr<std::uint16_t>(), depth.total()},
+                     static_cast<float>(1 / depth_units_per_metre_), static_cast<float>(settings_.depth.min),
+                     static_cast<float>(settings_.depth.max));
   recorder_.submit();
   if (settings_.volume.colour && frame.colour.size() == depth.size() && frame.colour.type() == CV_8UC3)
     preprocess_.setColour(packColour(frame.colour));

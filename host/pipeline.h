@@ -35,10 +35,12 @@ struct FrameResult {
 class Pipeline {
  public:
   /// Throws InputError for settings that do not go together and DeviceError when the device cannot hold them.
-  Pipeline(Device& device, const Settings& settings, const Intrinsics& intrinsics, double depth_units_per_metre);
+  Pipeline(Device& device, const Settings& settings, const Intrinsics& intrinsics,
+           double depth_units_per_metre);
 
-  /// Tracks and fuses one frame (see host/frame.h); colour may be empty. A lost frame is a result and is not fused.
-  /// Throws DeviceError (OutOfMemory) when the model outgrows the device: what was fused before stays whole.
+  /// Tracks and fuses one frame (see host/frame.h); colour may be empty. A lost frame is a result and is not
+  /// fused. Throws DeviceError (OutOfMemory) when the model outgrows the device: what was fused before stays
+  /// whole.
   FrameResult processFrame(const Frame& frame);
 
   Device& device() { return device_; }

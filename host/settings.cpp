@@ -43,17 +43,20 @@ const SettingsField& findField(std::string_view key, const std::string& source) 
   const auto nearest = std::min_element(table.begin(), table.end(), [&](const auto& a, const auto& b) {
     return editDistance(a.key, key) < editDistance(b.key, key);
   });
-  throw InputError(source + ": there is no setting '" + std::string(key) + "'; did you mean '" + nearest->key + "'?");
+  throw InputError(source + ": there is no setting '" + std::string(key) + "'; did you mean '" +
+                   nearest->key + "'?");
 }
 
 double numberOf(const std::string& text, const SettingsField& field, const std::string& source, bool whole) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
-  const bool number = !text.empty() && *end == '\0' && std::isfinite(value) && (!whole || value == std::floor(value));
+  const bool number =
+      !text.empty() && *end == '\0' && std::isfinite(value) && (!whole || value == std::floor(value));
   if (!number || value < field.min || value > field.max) {
     std::ostringstream sentence;
-    sentence << source << ": " << field.key << " = '" << text << "' must be a " << (whole ? "whole " : "") << "number from "
-             << field.min << " to " << field.max << (field.unit.empty() ? "" : " " + field.unit) << ".";
+    sentence << source << ": " << field.key << " = '" << text << "' must be a " << (whole ? "whole " : "")
+             << "number from " << field.min << " to " << field.max
+             << (field.unit.empty() ? "" : " " + field.unit) << ".";
     throw InputError(sentence.str());
   }
   return value;
@@ -66,20 +69,24 @@ bool boolOf(const std::string& text, const SettingsField& field, const std::stri
 }
 
 /// "10240/32 3072/16 1024/8"
-std::vector<SwarmLevel> levelsOf(const std::string& text, const SettingsField& field, const std::string& source) {
+std::vector<SwarmLevel> levelsOf(const std::string& text, const SettingsField& field,
+                                 const std::string& source) {
   std::vector<SwarmLevel> levels;
   std::istringstream words(text);
   for (std::string word; words >> word;) {
     SwarmLevel level;
     char slash = 0;
     std::istringstream parts(word);
-    if (!(parts >> level.particles >> slash >> level.pixel_stride) || slash != '/' || !parts.eof() || level.particles < 32 ||
-        level.particles > 200000 || level.pixel_stride < 1 || level.pixel_stride > 256)
-      throw InputError(source + ": " + field.key + " has '" + word +
-                       "', but a level is particles/stride such as 3072/16 (32 to 200000 particles, stride 1 to 256).");
+    if (!(parts >> level.particles >> slash >> level.pixel_stride) || slash != '/' || !parts.eof() ||
+        level.particles < 32 || level.particles > 200000 || level.pixel_stride < 1 ||
+        level.pixel_stride > 256)
+      throw InputError(
+          source + ": " + field.key + " has '" + word +
+          "', but a level is particles/stride such as 3072/16 (32 to 200000 particles, stride 1 to 256).");
     levels.push_back(level);
   }
-  if (levels.empty()) throw InputError(source + ": " + field.key + " is empty; give levels such as '10240/32 1024/8'.");
+  if (levels.empty())
+    throw InputError(source + ": " + field.key + " is empty; give levels such as '10240/32 1024/8'.");
   return levels;
 }
 
@@ -87,21 +94,23 @@ std::vector<SwarmLevel> levelsOf(const std::string& text, const SettingsField& f
 
 void setField(Settings& settings, std::string_view key, const std::string& value, const std::string& source) {
   const SettingsField& field = findField(key, source);
-  std::visit(Overloaded{[&](double* v) { *v = numberOf(value, field, source, false); },
-                        [&](int* v) { *v = static_cast<int>(numberOf(value, field, source, true)); },
-                        [&](std::uint64_t* v) { *v = static_cast<std::uint64_t>(numberOf(value, field, source, true)); },
-                        [&](bool* v) { *v = boolOf(value, field, source); },
-                        [&](std::vector<SwarmLevel>* v) { *v = levelsOf(value, field, source); },
-                        [&](const ChoiceRef& c) {
-                          const auto word = std::find(c.words.begin(), c.words.end(), value);
-                          if (word == c.words.end()) {
-                            std::string all;
-                            for (const auto& w : c.words) all += (all.empty() ? "" : ", ") + w;
-                            throw InputError(source + ": " + field.key + " = '" + value + "' must be one of " + all + ".");
-                          }
-                          c.set(static_cast<int>(word - c.words.begin()));
-                        }},
-             field.ref(settings));
+  std::visit(
+      Overloaded{
+          [&](double* v) { *v = numberOf(value, field, source, false); },
+          [&](int* v) { *v = static_cast<int>(numberOf(value, field, source, true)); },
+          [&](std::uint64_t* v) { *v = static_cast<std::uint64_t>(numberOf(value, field, source, true)); },
+          [&](bool* v) { *v = boolOf(value, field, source); },
+          [&](std::vector<SwarmLevel>* v) { *v = levelsOf(value, field, source); },
+          [&](const ChoiceRef& c) {
+            const auto word = std::find(c.words.begin(), c.words.end(), value);
+            if (word == c.words.end()) {
+              std::string all;
+              for (const auto& w : c.words) all += (all.empty() ? "" : ", ") + w;
+              throw InputError(source + ": " + field.key + " = '" + value + "' must be one of " + all + ".");
+            }
+            c.set(static_cast<int>(word - c.words.begin()));
+          }},
+      field.ref(settings));
 }
 
 std::string fieldText(const Settings& settings, const SettingsField& field) {
@@ -109,10 +118,12 @@ std::string fieldText(const Settings& settings, const SettingsField& field) {
   text.precision(12);
   Settings copy = settings;  // the table's references are to mutable settings
   std::visit(Overloaded{[&](const double* v) { text << *v; }, [&](const int* v) { text << *v; },
-                        [&](const std::uint64_t* v) { text << *v; }, [&](const bool* v) { text << (*v ? "true" : "false"); },
+                        [&](const std::uint64_t* v) { text << *v; },
+                        [&](const bool* v) { text << (*v ? "true" : "false"); },
                         [&](const std::vector<SwarmLevel>* v) {
                           for (const SwarmLevel& level : *v)
-                            text << (&level == v->data() ? "" : " ") << level.particles << '/' << level.pixel_stride;
+                            text << (&level == v->data() ? "" : " ") << level.particles << '/'
+                                 << level.pixel_stride;
                         },
                         [&](const ChoiceRef& c) { text << c.words[static_cast<std::size_t>(c.get())]; }},
              field.ref(copy));
@@ -133,9 +144,11 @@ void applyYamlText(Settings& settings, const std::string& text, const std::strin
     if (!root.IsMap()) throw InputError(source + ": expected groups of settings such as 'volume:'.");
     for (const auto& group : root) {
       const auto name = group.first.as<std::string>();
-      if (!group.second.IsMap()) throw InputError(source + ": '" + name + "' must hold settings, one a line.");
+      if (!group.second.IsMap())
+        throw InputError(source + ": '" + name + "' must hold settings, one a line.");
       for (const auto& field : group.second)
-        setField(settings, name + "." + field.first.as<std::string>(), field.second.as<std::string>(), source);
+        setField(settings, name + "." + field.first.as<std::string>(), field.second.as<std::string>(),
+                 source);
     }
   } catch (const YAML::Exception& error) {
     throw InputError(source + ": not readable as YAML (" + error.what() + ").");
@@ -183,7 +196,8 @@ std::string toYaml(const Settings& settings) {
 void requireConsistent(const Settings& settings) {
   if (settings.depth.min >= settings.depth.max) throw InputError("depth.min must be smaller than depth.max.");
   if (settings.volume.truncation < 2 * settings.volume.voxel_size)
-    throw InputError("volume.truncation must be at least 2 voxels (volume.voxel_size), or no surface can be found in it.");
+    throw InputError(
+        "volume.truncation must be at least 2 voxels (volume.voxel_size), or no surface can be found in it.");
   requireValid(settings.swarm);
 }
 

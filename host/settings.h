@@ -61,7 +61,7 @@ struct SettingsField {
   std::string key;   ///< "group.name", as in YAML and --set
   std::string unit;  ///< empty for pure numbers
   std::string help;
-  double min = 0;    ///< allowed range of numbers, inclusive
+  double min = 0;  ///< allowed range of numbers, inclusive
   double max = 0;
   std::function<FieldRef(Settings&)> ref;
 };
@@ -69,14 +69,15 @@ struct SettingsField {
 /// The table, in the order in which files show it.
 const std::vector<SettingsField>& settingsTable();
 
-/// Sets one field from text. Throws InputError naming the key (with the nearest known key for an unknown one), what
-/// is allowed, and `source`, the file or option it came from.
+/// Sets one field from text. Throws InputError naming the key (with the nearest known key for an unknown
+/// one), what is allowed, and `source`, the file or option it came from.
 void setField(Settings& settings, std::string_view key, const std::string& value, const std::string& source);
 std::string fieldText(const Settings& settings, const SettingsField& field);
 
 /// Applies "key=value". Throws InputError.
 void applyAssignment(Settings& settings, const std::string& assignment);
-/// Applies the YAML file's fields over what is there. Throws InputError for unreadable files and unknown keys.
+/// Applies the YAML file's fields over what is there. Throws InputError for unreadable files and unknown
+/// keys.
 void applyYamlFile(Settings& settings, const std::filesystem::path& file);
 void applyYamlText(Settings& settings, const std::string& text, const std::string& source);
 /// A preset's name ("default", "paper") or a YAML file, over the built-in defaults. Throws InputError.

@@ -6,7 +6,12 @@ namespace {
 
 template <typename Get>
 SettingsField row(std::string key, std::string unit, double min, double max, std::string help, Get get) {
-  return {std::move(key), std::move(unit), std::move(help), min, max, [get](Settings& s) { return FieldRef(&get(s)); }};
+  return {std::move(key),
+          std::move(unit),
+          std::move(help),
+          min,
+          max,
+          [get](Settings& s) { return FieldRef(&get(s)); }};
 }
 
 template <typename Enum, typename Get>
@@ -20,59 +25,94 @@ SettingsField choice(std::string key, std::vector<std::string> words, std::strin
 
 std::vector<SettingsField> makeTable() {
   constexpr double kMany = 1e9;
-  const auto S = [](auto member) { return [member](Settings& s) -> auto& { return s.swarm.*member; }; };
-  const auto T = [](auto member) { return [member](Settings& s) -> auto& { return s.tracking.*member; }; };
+  const auto S = [](auto member) {
+    return [member](Settings & s) -> auto& {
+      return s.swarm.*member;
+    };
+  };
+  const auto T = [](auto member) {
+    return [member](Settings & s) -> auto& {
+      return s.tracking.*member;
+    };
+  };
   using W = SwarmSettings;
   return {
-      row("depth.min", "m", 0.01, 10, "nearer depths are invalid", [](Settings& s) -> auto& { return s.depth.min; }),
-      row("depth.max", "m", 0.1, 60, "farther depths are invalid", [](Settings& s) -> auto& { return s.depth.max; }),
+      row(
+          "depth.min", "m", 0.01, 10, "nearer depths are invalid",
+          [](Settings & s) -> auto& { return s.depth.min; }),
+      row(
+          "depth.max", "m", 0.1, 60, "farther depths are invalid",
+          [](Settings & s) -> auto& { return s.depth.max; }),
 
-      row("volume.voxel_size", "m", 0.001, 0.5, "edge of a voxel", [](Settings& s) -> auto& { return s.volume.voxel_size; }),
-      row("volume.truncation", "m", 0.002, 2, "distances are truncated to +- this; at least 2 voxels",
-          [](Settings& s) -> auto& { return s.volume.truncation; }),
-      row("volume.max_weight", "frames", 1, 255, "cap of the running mean: higher is smoother, lower adapts faster",
-          [](Settings& s) -> auto& { return s.volume.max_weight; }),
-      row("volume.colour", "", 0, 1, "fuse colour where the sequence has it", [](Settings& s) -> auto& { return s.volume.colour; }),
-      row("volume.memory_limit_mb", "MiB", 0, kMany, "largest volume; 0: 80 % of the device's memory",
-          [](Settings& s) -> auto& { return s.volume.memory_limit_mb; }),
+      row(
+          "volume.voxel_size", "m", 0.001, 0.5, "edge of a voxel",
+          [](Settings & s) -> auto& { return s.volume.voxel_size; }),
+      row(
+          "volume.truncation", "m", 0.002, 2, "distances are truncated to +- this; at least 2 voxels",
+          [](Settings & s) -> auto& { return s.volume.truncation; }),
+      row(
+          "volume.max_weight", "frames", 1, 255,
+          "cap of the running mean: higher is smoother, lower adapts faster",
+          [](Settings & s) -> auto& { return s.volume.max_weight; }),
+      row(
+          "volume.colour", "", 0, 1, "fuse colour where the sequence has it",
+          [](Settings & s) -> auto& { return s.volume.colour; }),
+      row(
+          "volume.memory_limit_mb", "MiB", 0, kMany, "largest volume; 0: 80 % of the device's memory",
+          [](Settings & s) -> auto& { return s.volume.memory_limit_mb; }),
 
-      choice<FitnessLoss>("swarm.loss", {"squared", "absolute"}, "per point: psi^2 [eq. normallh] or |psi|", S(&W::loss)),
+      choice<FitnessLoss>("swarm.loss", {"squared", "absolute"}, "per point: psi^2 [eq. normallh] or |psi|",
+                          S(&W::loss)),
       row("swarm.tau", "", 1e-6, 1e6, "temperature of the fitness [eq. pfolh]", S(&W::tau)),
-      row("swarm.levels", "", 0, 0, "particles/pixel stride, used in turn [Multi-resolution PST]", S(&W::levels)),
+      row("swarm.levels", "", 0, 0, "particles/pixel stride, used in turn [Multi-resolution PST]",
+          S(&W::levels)),
       row("swarm.restart_levels_when_empty", "", 0, 1, "an empty advantage set leads back to the first level",
           S(&W::restart_levels_when_empty)),
-      row("swarm.pixel_shift", "px", 0, 1000, "the pixel grid moves by this each iteration", S(&W::pixel_shift)),
-      row("swarm.max_iterations", "", 1, 1000, "iterations per frame [Convergence criteria]", S(&W::max_iterations)),
-      row("swarm.max_empty_sets", "", 1, 1000, "empty advantage sets in a row that end the search", S(&W::max_empty_sets)),
-      row("swarm.minimum_move", "", 0, 1, "a move below this in all six dimensions ends the search", S(&W::minimum_move)),
-      row("swarm.max_advantage_particles", "", 0, kMany, "advantage particles averaged; 0: all", S(&W::max_advantage_particles)),
+      row("swarm.pixel_shift", "px", 0, 1000, "the pixel grid moves by this each iteration",
+          S(&W::pixel_shift)),
+      row("swarm.max_iterations", "", 1, 1000, "iterations per frame [Convergence criteria]",
+          S(&W::max_iterations)),
+      row("swarm.max_empty_sets", "", 1, 1000, "empty advantage sets in a row that end the search",
+          S(&W::max_empty_sets)),
+      row("swarm.minimum_move", "", 0, 1, "a move below this in all six dimensions ends the search",
+          S(&W::minimum_move)),
+      row("swarm.max_advantage_particles", "", 0, kMany, "advantage particles averaged; 0: all",
+          S(&W::max_advantage_particles)),
       row("swarm.minimum_counted_share", "", 0, 1, "a particle needs this share of particle 0's pixels",
           S(&W::minimum_counted_share)),
       row("swarm.axis_scale", "", 1e-6, 1e3, "factor of (1 - rho) v/|v| [eq. rsinter]", S(&W::axis_scale)),
       row("swarm.axis_epsilon", "", 0, 1, "least axis length [eq. rsinter]", S(&W::axis_epsilon)),
-      row("swarm.axis_momentum", "", 0, 1, "share of the previous lengths [eq. momentum]", S(&W::axis_momentum)),
-      row("swarm.empty_set_scale", "", 0, 1e3, "factor of the sphere after an empty set [PST update]", S(&W::empty_set_scale)),
-      row("swarm.initial_likelihood", "", 0, 1, "likelihood before anything is built [PST update]", S(&W::initial_likelihood)),
-      row("swarm.first_axis_scale", "", 1e-6, 1e3, "factor of the very first sphere", S(&W::first_axis_scale)),
+      row("swarm.axis_momentum", "", 0, 1, "share of the previous lengths [eq. momentum]",
+          S(&W::axis_momentum)),
+      row("swarm.empty_set_scale", "", 0, 1e3, "factor of the sphere after an empty set [PST update]",
+          S(&W::empty_set_scale)),
+      row("swarm.initial_likelihood", "", 0, 1, "likelihood before anything is built [PST update]",
+          S(&W::initial_likelihood)),
+      row("swarm.first_axis_scale", "", 1e-6, 1e3, "factor of the very first sphere",
+          S(&W::first_axis_scale)),
       choice<FrameStart>("swarm.frame_start", {"previous-first-lengths", "failure-loss"},
                          "axis lengths a frame starts with [PST initialization]", S(&W::frame_start)),
 
-      row("tracking.overlap_only", "", 0, 1, "count only pixels in the overlap with the last frame [eq. validness]",
+      row("tracking.overlap_only", "", 0, 1,
+          "count only pixels in the overlap with the last frame [eq. validness]",
           T(&TrackingSettings::overlap_only)),
-      row("tracking.compensate", "", 0, 1, "Kahan-compensated sums [GPU implementation]", T(&TrackingSettings::compensate)),
+      row("tracking.compensate", "", 0, 1, "Kahan-compensated sums [GPU implementation]",
+          T(&TrackingSettings::compensate)),
       row("tracking.seed", "", 0, 1e15, "seed of the swarm templates", T(&TrackingSettings::seed)),
       row("tracking.templates_per_level", "", 1, 1000, "templates of each size, used in turn",
           T(&TrackingSettings::templates_per_level)),
-      row("tracking.min_valid_share", "", 0, 1, "a frame with fewer valid pixels is lost", T(&TrackingSettings::min_valid_share)),
+      row("tracking.min_valid_share", "", 0, 1, "a frame with fewer valid pixels is lost",
+          T(&TrackingSettings::min_valid_share)),
       row("tracking.uncertain_overlap", "", 0, 1, "less overlap with the last frame makes a pose uncertain",
           T(&TrackingSettings::uncertain_overlap)),
       row("tracking.uncertain_residual", "truncations", 0, 1, "a larger RMS residual makes a pose uncertain",
           T(&TrackingSettings::uncertain_residual)),
-      row("tracking.lost_residual", "truncations", 0, 1, "a larger RMS residual means lost: the frame is not fused",
-          T(&TrackingSettings::lost_residual)),
+      row("tracking.lost_residual", "truncations", 0, 1,
+          "a larger RMS residual means lost: the frame is not fused", T(&TrackingSettings::lost_residual)),
 
-      row("mesh.min_weight", "frames", 0, 255, "voxels seen less often are left out of the mesh",
-          [](Settings& s) -> auto& { return s.mesh.min_weight; }),
+      row(
+          "mesh.min_weight", "frames", 0, 255, "voxels seen less often are left out of the mesh",
+          [](Settings & s) -> auto& { return s.mesh.min_weight; }),
   };
 }
 

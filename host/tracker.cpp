@@ -27,25 +27,28 @@ glm::vec4 lengths(const Vector6& axis_lengths, int first) {
 
 }  // namespace
 
-Tracker::Tracker(Device& device, const Settings& settings, const Intrinsics& intrinsics, TemplateSet templates)
+Tracker::Tracker(Device& device, const Settings& settings, const Intrinsics& intrinsics,
+                 TemplateSet templates)
     : settings_(settings),
       templates_(std::move(templates)),
       recorder_(device),
       select_(device, toShader(intrinsics)),
-      fitness_(device, flatten(templates_), settings.swarm.loss == FitnessLoss::kSquared ? Loss::Squared : Loss::Absolute,
+      fitness_(device, flatten(templates_),
+               settings.swarm.loss == FitnessLoss::kSquared ? Loss::Squared : Loss::Absolute,
                settings.tracking.compensate) {
   std::uint32_t offset = 0;
   for (std::size_t level = 0; level < settings.swarm.levels.size(); ++level) {
     const auto particles = static_cast<std::size_t>(settings.swarm.levels[level].particles);
     if (level >= templates_.levels.size() || templates_.at(level, 0).particles.size() != particles)
-      throw InputError("The swarm templates do not fit swarm.levels; generate them with the same sizes (rosefusion pst).");
+      throw InputError(
+          "The swarm templates do not fit swarm.levels; generate them with the same sizes (rosefusion pst).");
     level_offsets_.push_back(offset);
     offset += static_cast<std::uint32_t>(templates_.levels[level].size() * particles);
   }
 }
 
-void Tracker::evaluate(const PreprocessPass& frame, const Volume& volume, const PixelGrid& grid, const Pose& centre,
-                       const Pose& last, const SwarmPlacement& swarm) {
+void Tracker::evaluate(const PreprocessPass& frame, const Volume& volume, const PixelGrid& grid,
+                       const Pose& centre, const Pose& last, const SwarmPlacement& swarm) {
   const glm::mat4 previous_from_current = toShader(last.inverse() * centre);
   select_.record(recorder_, frame, grid, settings_.tracking.overlap_only ? &previous_from_current : nullptr);
   fitness_.record(recorder_, volume, select_, swarm);
@@ -74,7 +77,8 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, co
   return result;
 }
 
-PoseScore Tracker::score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera, const Pose& last) {
+PoseScore Tracker::score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera,
+                         const Pose& last) {
   // Particle 0 of any template is the zero move.
   const SwarmPlacement one{toShader(world_from_camera), glm::vec4(0), glm::vec4(0), level_offsets_[0], 1};
   const PixelGrid grid{kScoreStride, 0, 0};

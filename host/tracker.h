@@ -33,7 +33,8 @@ class Tracker {
   /// Pose of the frame held by `frame`, searched from `last` (the last frame's final pose).
   TrackResult track(const PreprocessPass& frame, const Volume& volume, const Pose& last);
   /// Fit of the frame at a pose; every 8th pixel, all of them counted for the shares.
-  PoseScore score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera, const Pose& last);
+  PoseScore score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera,
+                  const Pose& last);
 
  private:
   void evaluate(const PreprocessPass& frame, const Volume& volume, const PixelGrid& grid, const Pose& centre,

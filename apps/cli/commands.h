@@ -1,5 +1,5 @@
-// One function per subcommand: it adds the subcommand to the command line; its callback does the work and throws
-// InputError / DeviceError, which main() turns into one sentence and an exit code.
+// One function per subcommand: it adds the subcommand to the command line; its callback does the work and
+// throws InputError / DeviceError, which main() turns into one sentence and an exit code.
 #pragma once
 #include <CLI/CLI.hpp>
 

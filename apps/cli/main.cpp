@@ -44,7 +44,8 @@ int main(int argc, char** argv) {
     return exit.code;
   } catch (const rosefusion::DeviceError& error) {
     spdlog::error("{}", error.what());
-    return error.code() == rosefusion::DeviceErrorCode::Programming ? rosefusion::kExitFailure : rosefusion::kExitDevice;
+    return error.code() == rosefusion::DeviceErrorCode::Programming ? rosefusion::kExitFailure
+                                                                    : rosefusion::kExitDevice;
   } catch (const rosefusion::InputError& error) {
     spdlog::error("{}", error.what());
     return rosefusion::kExitBadInput;

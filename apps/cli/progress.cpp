@@ -25,16 +25,16 @@ void Progress::update(std::size_t done, std::size_t total, const std::string& no
     constexpr std::size_t kCells = 24;
     const std::size_t filled = total ? kCells * done / total : 0;
     const std::string bar = std::string(filled, '#') + std::string(kCells - filled, '.');
-    std::fprintf(stderr, "\r\033[K[%s] %zu/%zu %s  %.1f/s  ETA %ld:%02ld%s%s", bar.c_str(), done, total, unit_.c_str(), rate,
-                 left / 60, left % 60, separator, note.c_str());
+    std::fprintf(stderr, "\r\033[K[%s] %zu/%zu %s  %.1f/s  ETA %ld:%02ld%s%s", bar.c_str(), done, total,
+                 unit_.c_str(), rate, left / 60, left % 60, separator, note.c_str());
     std::fflush(stderr);
     return;
   }
   const std::size_t tenth = total ? 10 * done / total : 0;
   if (tenth == last_tenth_) return;
   last_tenth_ = tenth;
-  std::fprintf(stderr, "%zu/%zu %s  %.1f/s  ETA %ld:%02ld%s%s\n", done, total, unit_.c_str(), rate, left / 60, left % 60,
-               separator, note.c_str());
+  std::fprintf(stderr, "%zu/%zu %s  %.1f/s  ETA %ld:%02ld%s%s\n", done, total, unit_.c_str(), rate, left / 60,
+               left % 60, separator, note.c_str());
 }
 
 }  // namespace rosefusion::cli

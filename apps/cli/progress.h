@@ -6,7 +6,8 @@
 
 namespace rosefusion::cli {
 
-/// Writes to standard error. On a terminal a bar with rate and time left, elsewhere a line every tenth of the work.
+/// Writes to standard error. On a terminal a bar with rate and time left, elsewhere a line every tenth of the
+/// work.
 class Progress {
  public:
   /// `unit` in the plural, such as "frames".

@@ -51,17 +51,21 @@ std::string outputFolder(const Options& o) {
 }
 
 void printSummary(const RunSummary& summary, const SequenceInfo& info, const std::string& out) {
-  std::printf("%zu frames in %.1f s: %zu tracked, %zu uncertain, %zu lost, %zu skipped.\n", summary.frames.size(), summary.seconds,
-              summary.count(TrackingStatus::Tracked), summary.count(TrackingStatus::Uncertain),
-              summary.count(TrackingStatus::Lost), summary.skipped());
+  std::printf("%zu frames in %.1f s: %zu tracked, %zu uncertain, %zu lost, %zu skipped.\n",
+              summary.frames.size(), summary.seconds, summary.count(TrackingStatus::Tracked),
+              summary.count(TrackingStatus::Uncertain), summary.count(TrackingStatus::Lost),
+              summary.skipped());
   for (const RunFrame& f : summary.frames)
     if (!f.skipped && f.result.status == TrackingStatus::Lost) {
       std::printf("First lost at frame %zu: %s.\n", f.index, f.result.reason.c_str());
       break;
     }
   if (const auto errors = errorsOf(summary, info); errors && errors->common_poses > 0)
-    std::printf("Against the truth: ATE %.2f cm RMSE, %.2f cm mean; TE %.2f cm RMSE, %.0f %% of the frames under 5 cm.\n",
-                100 * errors->ate_m.rmse, 100 * errors->ate_m.mean, 100 * errors->te_m.rmse, 100 * errors->te_share[2]);
+    std::printf(
+        "Against the truth: ATE %.2f cm RMSE, %.2f cm mean; TE %.2f cm RMSE, %.0f %% of the frames under 5 "
+        "cm.\n",
+        100 * errors->ate_m.rmse, 100 * errors->ate_m.mean, 100 * errors->te_m.rmse,
+        100 * errors->te_share[2]);
   for (const char* file : kOutputFiles) std::printf("  %s\n", (std::filesystem::path(out) / file).c_str());
 }
 
@@ -70,13 +74,15 @@ void run(const Options& o) {
   SequenceOptions sequence_options;
   sequence_options.colour = settings.volume.colour;
   if (!o.intrinsics.empty())
-    sequence_options.intrinsics = Intrinsics{0, 0, o.intrinsics[0], o.intrinsics[1], o.intrinsics[2], o.intrinsics[3]};
+    sequence_options.intrinsics =
+        Intrinsics{0, 0, o.intrinsics[0], o.intrinsics[1], o.intrinsics[2], o.intrinsics[3]};
   if (o.depth_scale > 0) sequence_options.depth_units_per_metre = o.depth_scale;
   const auto sequence = openSequence(o.sequence, sequence_options);
   const SequenceInfo& info = sequence->info();
   for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
   if (info.intrinsics_assumed)
-    spdlog::warn("The intrinsics are assumed ({}); give them with --intrinsics if the result is bent.", info.intrinsics_source);
+    spdlog::warn("The intrinsics are assumed ({}); give them with --intrinsics if the result is bent.",
+                 info.intrinsics_source);
 
   const std::string out = outputFolder(o);
   OutputFolder folder(out);
@@ -95,7 +101,9 @@ void run(const Options& o) {
     summary = reconstruct(*sequence, pipeline, o.run, show, [] { return interruptions > 0; });
   }
   if (pipeline.volume().blockCount() == 0)
-    throw InputError(o.sequence + ": no frame could be used, so there is nothing to write; look at it with 'rosefusion check'.");
+    throw InputError(
+        o.sequence +
+        ": no frame could be used, so there is nothing to write; look at it with 'rosefusion check'.");
   spdlog::info("writing {}", out);
   folder.write(summary, info, pipeline);
   writeJson(o.json, reportJson(summary, info, pipeline).dump(2));
@@ -116,17 +124,22 @@ void run(const Options& o) {
 
 void addRunCommand(CLI::App& app) {
   auto o = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("run", "Reconstruct a depth sequence: trajectory, mesh, preview picture and report");
-  command->add_option("SEQUENCE", o->sequence,
-                      "Folder (TUM RGB-D, ETH3D, ICL-NUIM, 7-Scenes, Replica, FastCaMo, PNGs with sequence.yaml) or .seq file")
+  CLI::App* command =
+      app.add_subcommand("run", "Reconstruct a depth sequence: trajectory, mesh, preview picture and report");
+  command
+      ->add_option("SEQUENCE", o->sequence,
+                   "Folder (TUM RGB-D, ETH3D, ICL-NUIM, 7-Scenes, Replica, FastCaMo, PNGs with "
+                   "sequence.yaml) or .seq file")
       ->required();
   command->add_option("--out", o->out, "Output folder (default: out/NAME)");
   command->add_option("--config", o->config, "Preset (default, paper) or YAML file")->capture_default_str();
-  command->add_option("--set", o->assignments, "Change one setting: key=value; may be repeated")->allow_extra_args(false);
+  command->add_option("--set", o->assignments, "Change one setting: key=value; may be repeated")
+      ->allow_extra_args(false);
   command->add_option("--device", o->device, "Device by index, name or type (see 'rosefusion devices')");
   command->add_option("--stride", o->run.stride, "Take every K-th frame")->check(CLI::Range(1, 1000000));
   command->add_option("--max-frames", o->run.max_frames, "Stop after N frames; 0: all");
-  command->add_option("--intrinsics", o->intrinsics, "fx fy cx cy in pixels, instead of the sequence's own")->expected(4);
+  command->add_option("--intrinsics", o->intrinsics, "fx fy cx cy in pixels, instead of the sequence's own")
+      ->expected(4);
   command->add_option("--depth-scale", o->depth_scale, "Depth units per metre, instead of the sequence's own")
       ->check(CLI::PositiveNumber);
   command->add_option("--json", o->json, "Also write the report here; '-': standard output");

@@ -1,6 +1,5 @@
 #include "engine/passes/allocate.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -9,9 +8,8 @@ namespace {
 
 using namespace shader;
 
-constexpr std::uint32_t kCapacity = 1u << 16;  // requests listed at a time; a room's first view asks for about 5000
-constexpr int kPixelStride = 2;                // two pixels are 1 cm apart at 3 m, well under a block
-constexpr float kSamplesPerBlock = 4;          // along the ray
+constexpr int kPixelStride = 2;        // two pixels are 1 cm apart at 3 m, well under a block
+constexpr float kSamplesPerBlock = 4;  // along the ray
 
 AllocateHeader emptyHeader() {
   constexpr int kMin = std::numeric_limits<int>::min(), kMax = std::numeric_limits<int>::max();
@@ -20,12 +18,14 @@ AllocateHeader emptyHeader() {
 
 }  // namespace
 
-AllocatePass::AllocatePass(Device& device)
-    : kernel_(device, shaderCode("allocate"), 4, sizeof(AllocateParams)),
-      requests_(device, sizeof(AllocateHeader) + 4 * kCapacity, Memory::Readback) {}
+AllocatePass::AllocatePass(Device& device, std::uint32_t capacity)
+    : device_(device),
+      kernel_(device, shaderCode("allocate"), 4, sizeof(AllocateParams)),
+      capacity_(capacity),
+      requests_(device, sizeof(AllocateHeader) + 4ull * capacity, Memory::Readback) {}
 
-void AllocatePass::record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame, const CameraIntrinsics& camera,
-                          const glm::mat4& world_from_camera) {
+void AllocatePass::record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
+                          const CameraIntrinsics& camera, const glm::mat4& world_from_camera) {
   requests_.as<AllocateHeader>()[0] = emptyHeader();
   AllocateParams params{};
   params.world_from_camera = world_from_camera;
@@ -33,8 +33,9 @@ void AllocatePass::record(Recorder& recorder, const Volume& volume, const Prepro
   // One voxel more than the truncation: trilinear lookups at its edge then find their neighbours.
   params.band = volume.options().truncation + volume.options().voxel_size;
   const float step = kBlockSide * volume.options().voxel_size / kSamplesPerBlock;
-  params.size = glm::ivec4(camera.size.x, camera.size.y, kPixelStride, 1 + static_cast<int>(std::ceil(2 * params.band / step)));
-  params.capacity = kCapacity;
+  params.size = glm::ivec4(camera.size.x, camera.size.y, kPixelStride,
+                           1 + static_cast<int>(std::ceil(2 * params.band / step)));
+  params.capacity = capacity_;
   recorder.dispatch(kernel_, {&volume.layoutBuffer(), &volume.table(), &frame.depth(), &requests_}, params,
                     {std::uint32_t(camera.size.x + kPixelStride - 1) / kPixelStride,
                      std::uint32_t(camera.size.y + kPixelStride - 1) / kPixelStride});
@@ -42,20 +43,25 @@ void AllocatePass::record(Recorder& recorder, const Volume& volume, const Prepro
 
 bool AllocatePass::finish(Volume& volume) {
   const AllocateHeader header = requests_.as<AllocateHeader>()[0];
-  const std::uint32_t listed = std::min(header.requested, kCapacity);
-  const auto entries = requests_.as<std::uint32_t>().subspan(sizeof(AllocateHeader) / 4, listed);
   try {
-    volume.addBlocks({entries.begin(), entries.end()});
-    if (header.outside > 0)
-      volume.cover({header.outside_min_x, header.outside_min_y, header.outside_min_z},
-                   {header.outside_max_x, header.outside_max_y, header.outside_max_z});
-    else if (header.requested > kCapacity)
+    if (header.requested > capacity_) {
+      // Which requests were listed depends on the order the device ran in; a list that holds all of them does
+      // not.
       volume.clearRequests();
+      requests_ = Buffer(device_, sizeof(AllocateHeader) + 4ull * header.requested, Memory::Readback);
+      capacity_ = header.requested;
+      return true;
+    }
+    const auto entries = requests_.as<std::uint32_t>().subspan(sizeof(AllocateHeader) / 4, header.requested);
+    volume.addBlocks({entries.begin(), entries.end()});
+    if (header.outside == 0) return false;
+    volume.cover({header.outside_min_x, header.outside_min_y, header.outside_min_z},
+                 {header.outside_max_x, header.outside_max_y, header.outside_max_z});
   } catch (...) {
     volume.clearRequests();
     throw;
   }
-  return header.outside > 0 || header.requested > kCapacity;
+  return true;
 }
 
 }  // namespace rosefusion

@@ -8,17 +8,20 @@ namespace rosefusion {
 
 class AllocatePass {
  public:
-  explicit AllocatePass(Device& device);
+  /// `capacity`: requests that can be listed at first; a fuller frame enlarges it.
+  explicit AllocatePass(Device& device, std::uint32_t capacity = 1u << 16);
 
   /// Marks and lists absent blocks around the surface. Follow it with a submit and then finish().
-  void record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame, const shader::CameraIntrinsics& camera,
-              const glm::mat4& world_from_camera);
-  /// Hands the listed blocks to the volume. True when the table had to grow or the list was full: record and submit
+  void record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
+              const shader::CameraIntrinsics& camera, const glm::mat4& world_from_camera);
+  /// Hands the listed blocks to the volume. True when the table or the list had to grow: record and submit
   /// again. Throws DeviceError (OutOfMemory) and leaves the volume usable.
   bool finish(Volume& volume);
 
  private:
+  Device& device_;
   Kernel kernel_;
+  std::uint32_t capacity_;
   Buffer requests_;
 };
 

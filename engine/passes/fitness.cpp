@@ -10,8 +10,8 @@ namespace {
 
 using namespace shader;
 
-// A wide GPU needs about this many invocations in flight, a CPU just its cores' vector lanes: there one invocation
-// walks all the points of a particle, which keeps the compensated sum in registers.
+// A wide GPU needs about this many invocations in flight, a CPU just its cores' vector lanes: there one
+// invocation walks all the points of a particle, which keeps the compensated sum in registers.
 constexpr std::uint32_t kWideInvocations = 1u << 18;
 constexpr std::uint32_t kMaxSlices = 64;
 
@@ -22,10 +22,12 @@ std::uint32_t slicesFor(const DeviceInfo& device, std::uint32_t particles) {
 
 }  // namespace
 
-FitnessPass::FitnessPass(Device& device, std::span<const glm::vec4> templates, Loss loss, bool compensate)
+FitnessPass::FitnessPass(Device& device, std::span<const glm::vec4> templates, Loss loss, bool compensate,
+                         std::uint32_t slices)
     : device_(device),
       loss_(loss),
       compensate_(compensate),
+      slices_(slices),
       reduce_(device, shaderCode("fitness_reduce"), 3, sizeof(FitnessReduceParams)) {
   templates_ = Buffer(device, templates.size_bytes(), Memory::Device);
   Buffer stage(device, templates.size_bytes(), Memory::Upload);
@@ -35,30 +37,39 @@ FitnessPass::FitnessPass(Device& device, std::span<const glm::vec4> templates, L
   recorder.submit();
 }
 
-void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points, const SwarmPlacement& swarm) {
+void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points,
+                         const SwarmPlacement& swarm) {
   if (32ull * (swarm.first_particle + swarm.particles) > templates_.bytes())
     throw DeviceError(DeviceErrorCode::Programming, "The swarm reaches past the templates on the device.");
   particles_ = swarm.particles;
-  const std::uint32_t slices = slicesFor(device_.info(), swarm.particles);
+  const std::uint32_t slices = slices_ ? slices_ : slicesFor(device_.info(), swarm.particles);
   if (partial_.bytes() < 8ull * slices * swarm.particles)
     partial_ = Buffer(device_, 8ull * slices * swarm.particles, Memory::Device);
-  if (loss_buffer_.bytes() < 4ull * swarm.particles) loss_buffer_ = Buffer(device_, 4ull * swarm.particles, Memory::Readback);
+  if (loss_buffer_.bytes() < 4ull * swarm.particles)
+    loss_buffer_ = Buffer(device_, 4ull * swarm.particles, Memory::Readback);
 
   Kernel& kernel = kernels_[volume.chunks()];
   if (!kernel)
     kernel = Kernel(device_, shaderCode("fitness"), kFitnessBindings, sizeof(FitnessParams),
                     {volume.chunks(), static_cast<std::uint32_t>(loss_), compensate_});
-  const FitnessParams params{swarm.world_from_camera, swarm.translation_lengths, swarm.rotation_lengths, swarm.particles,
-                             swarm.first_particle,    slices,                    0};
+  const FitnessParams params{swarm.world_from_camera,
+                             swarm.translation_lengths,
+                             swarm.rotation_lengths,
+                             swarm.particles,
+                             swarm.first_particle,
+                             slices,
+                             0};
   const Buffer* buffers[kFitnessBindings] = {&volume.layoutBuffer(), &volume.table()};
-  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) buffers[kFitnessBindTsdf + chunk] = &volume.tsdf(chunk);
+  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk)
+    buffers[kFitnessBindTsdf + chunk] = &volume.tsdf(chunk);
   buffers[kFitnessBindTemplates] = &templates_;
   buffers[kFitnessBindPoints] = &points.points();
   buffers[kFitnessBindCount] = &points.count();
   buffers[kFitnessBindPartial] = &partial_;
-  recorder.dispatchBytes(kernel, buffers, &params, sizeof(params), {(swarm.particles + kFitnessParticles - 1) / kFitnessParticles, slices});
-  recorder.dispatch(reduce_, {&partial_, &points.count(), &loss_buffer_}, FitnessReduceParams{swarm.particles, slices},
-                    {swarm.particles});
+  recorder.dispatchBytes(kernel, buffers, &params, sizeof(params),
+                         {(swarm.particles + kFitnessParticles - 1) / kFitnessParticles, slices});
+  recorder.dispatch(reduce_, {&partial_, &points.count(), &loss_buffer_},
+                    FitnessReduceParams{swarm.particles, slices}, {swarm.particles});
 }
 
 }  // namespace rosefusion

@@ -13,8 +13,8 @@ namespace rosefusion {
 
 enum class Loss : std::uint32_t { Squared = shader::kLossSquared, Absolute = shader::kLossAbsolute };
 
-/// The swarm of one iteration: `particles` template entries from `first_particle` on, scaled by the axis lengths
-/// (x, y, z in metres; qx, qy, qz) and applied to the centre.
+/// The swarm of one iteration: `particles` template entries from `first_particle` on, scaled by the axis
+/// lengths (x, y, z in metres; qx, qy, qz) and applied to the centre.
 struct SwarmPlacement {
   glm::mat4 world_from_camera{1};
   glm::vec4 translation_lengths{0};
@@ -26,9 +26,13 @@ struct SwarmPlacement {
 class FitnessPass {
  public:
   /// `templates`: two vec4 per particle, (x, y, z, 0) and (qx, qy, qz, 0), all templates one after the other.
-  FitnessPass(Device& device, std::span<const glm::vec4> templates, Loss loss, bool compensate = true);
+  /// `slices`: into how many parts the points are split; 0 chooses by the device (CPUs 1, GPUs enough to fill
+  /// them).
+  FitnessPass(Device& device, std::span<const glm::vec4> templates, Loss loss, bool compensate = true,
+              std::uint32_t slices = 0);
 
-  void record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points, const SwarmPlacement& swarm);
+  void record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points,
+              const SwarmPlacement& swarm);
   /// After the submit: mean loss per particle in [0, 1], negative when no point was selected.
   std::span<const float> losses() const { return loss_buffer_.as<float>().first(particles_); }
 
@@ -36,6 +40,7 @@ class FitnessPass {
   Device& device_;
   Loss loss_;
   bool compensate_;
+  std::uint32_t slices_;
   std::map<std::uint32_t, Kernel> kernels_;  ///< by number of pool chunks
   Kernel reduce_;
   Buffer templates_, partial_, loss_buffer_;

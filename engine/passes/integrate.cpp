@@ -8,8 +8,8 @@ using namespace shader;
 
 IntegratePass::IntegratePass(Device& device) : device_(device) {}
 
-void IntegratePass::record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame, const CameraIntrinsics& camera,
-                           const glm::mat4& camera_from_world, float far) {
+void IntegratePass::record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
+                           const CameraIntrinsics& camera, const glm::mat4& camera_from_world, float far) {
   volume.visibleBlocks(camera_from_world, camera.focal_centre, camera.size, far, slots_);
   if (slots_.empty()) return;
   const std::uint64_t bytes = 4 * slots_.size();
@@ -18,18 +18,21 @@ void IntegratePass::record(Recorder& recorder, const Volume& volume, const Prepr
 
   Kernel& kernel = kernels_[volume.chunks()];
   if (!kernel)
-    kernel = Kernel(device_, shaderCode("integrate"), kIntegrateBindings, sizeof(IntegrateParams), {volume.chunks()});
+    kernel = Kernel(device_, shaderCode("integrate"), kIntegrateBindings, sizeof(IntegrateParams),
+                    {volume.chunks()});
   const bool colour = volume.options().colour && frame.hasColour();
-  const IntegrateParams params{camera_from_world, camera.focal_centre,
-                               glm::ivec4(camera.size.x, camera.size.y, static_cast<int>(slots_.size()), colour)};
-  const Buffer* buffers[kIntegrateBindings] = {&volume.layoutBuffer(), &volume.blockBuffer(), &visible_, &frame.depth(),
-                                               &frame.colour()};
+  const IntegrateParams params{
+      camera_from_world, camera.focal_centre,
+      glm::ivec4(camera.size.x, camera.size.y, static_cast<int>(slots_.size()), colour)};
+  const Buffer* buffers[kIntegrateBindings] = {&volume.layoutBuffer(), &volume.blockBuffer(), &visible_,
+                                               &frame.depth(), &frame.colour()};
   for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
     buffers[kIntegrateBindTsdf + chunk] = &volume.tsdf(chunk);
     buffers[kIntegrateBindWeight + chunk] = &volume.weight(chunk);
     buffers[kIntegrateBindColour + chunk] = &volume.colour(chunk);
   }
-  recorder.dispatchGroups(kernel, buffers, &params, sizeof(params), static_cast<std::uint32_t>(slots_.size()));
+  recorder.dispatchGroups(kernel, buffers, &params, sizeof(params),
+                          static_cast<std::uint32_t>(slots_.size()));
 }
 
 }  // namespace rosefusion

@@ -12,10 +12,10 @@ class IntegratePass {
  public:
   explicit IntegratePass(Device& device);
 
-  /// Updates all allocated blocks that the camera can see up to `far` metres. The blocks around the surface must have
-  /// been allocated before (AllocatePass).
-  void record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame, const shader::CameraIntrinsics& camera,
-              const glm::mat4& camera_from_world, float far);
+  /// Updates all allocated blocks that the camera can see up to `far` metres. The blocks around the surface
+  /// must have been allocated before (AllocatePass).
+  void record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
+              const shader::CameraIntrinsics& camera, const glm::mat4& camera_from_world, float far);
 
  private:
   Device& device_;

@@ -7,7 +7,9 @@
 namespace rosefusion {
 
 PreprocessPass::PreprocessPass(Device& device, const shader::CameraIntrinsics& camera)
-    : device_(device), camera_(camera), kernel_(device, shaderCode("preprocess"), 3, sizeof(shader::PreprocessParams)) {
+    : device_(device),
+      camera_(camera),
+      kernel_(device, shaderCode("preprocess"), 3, sizeof(shader::PreprocessParams)) {
   const auto pixels = static_cast<std::uint64_t>(camera.size.x) * camera.size.y;
   raw_ = Buffer(device, 2 * pixels, Memory::Upload);
   depth_ = Buffer(device, 4 * pixels, Memory::Device);
@@ -15,18 +17,21 @@ PreprocessPass::PreprocessPass(Device& device, const shader::CameraIntrinsics& c
   colour_ = Buffer(device, 16, Memory::Upload);
 }
 
-void PreprocessPass::record(Recorder& recorder, std::span<const std::uint16_t> raw, float metres_per_unit, float min_depth,
-                            float max_depth) {
+void PreprocessPass::record(Recorder& recorder, std::span<const std::uint16_t> raw, float metres_per_unit,
+                            float min_depth, float max_depth) {
   const auto pixels = static_cast<std::uint32_t>(camera_.size.x * camera_.size.y);
-  if (raw.size() != pixels) throw DeviceError(DeviceErrorCode::Programming, "The depth image has not the camera's size.");
+  if (raw.size() != pixels)
+    throw DeviceError(DeviceErrorCode::Programming, "The depth image has not the camera's size.");
   std::memcpy(raw_.as<char>().data(), raw.data(), raw.size_bytes());
-  const shader::PreprocessParams params{camera_.focal_centre, camera_.size, metres_per_unit, min_depth, max_depth, 0};
+  const shader::PreprocessParams params{
+      camera_.focal_centre, camera_.size, metres_per_unit, min_depth, max_depth, 0};
   recorder.dispatch(kernel_, {&raw_, &depth_, &points_}, params, {(pixels + 1) / 2});
 }
 
 void PreprocessPass::setColour(std::span<const std::uint32_t> rgb) {
   const auto pixels = static_cast<std::size_t>(camera_.size.x) * camera_.size.y;
-  if (rgb.size() != pixels) throw DeviceError(DeviceErrorCode::Programming, "The colour image has not the camera's size.");
+  if (rgb.size() != pixels)
+    throw DeviceError(DeviceErrorCode::Programming, "The colour image has not the camera's size.");
   if (colour_.bytes() < rgb.size_bytes()) colour_ = Buffer(device_, rgb.size_bytes(), Memory::Upload);
   std::memcpy(colour_.as<char>().data(), rgb.data(), rgb.size_bytes());
   has_colour_ = true;

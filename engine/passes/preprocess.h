@@ -15,7 +15,8 @@ class PreprocessPass {
   PreprocessPass(Device& device, const shader::CameraIntrinsics& camera);
 
   /// `raw`: width x height 16-bit depths, row by row; metres = value * metres_per_unit.
-  void record(Recorder& recorder, std::span<const std::uint16_t> raw, float metres_per_unit, float min_depth, float max_depth);
+  void record(Recorder& recorder, std::span<const std::uint16_t> raw, float metres_per_unit, float min_depth,
+              float max_depth);
   /// `rgb`: one word 0x00BBGGRR per pixel (red in the low byte). Copies at once: call between submits.
   void setColour(std::span<const std::uint32_t> rgb);
 

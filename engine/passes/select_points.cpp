@@ -1,5 +1,7 @@
 #include "engine/passes/select_points.h"
 
+#include "engine/error.h"
+
 namespace rosefusion {
 
 using namespace shader;
@@ -12,6 +14,9 @@ SelectPointsPass::SelectPointsPass(Device& device, const CameraIntrinsics& camer
 
 void SelectPointsPass::record(Recorder& recorder, const PreprocessPass& frame, const PixelGrid& grid,
                               const glm::mat4* previous_from_current) {
+  if (grid.stride < 1 || grid.offset_x < 0 || grid.offset_y < 0 || grid.offset_x >= camera_.size.x ||
+      grid.offset_y >= camera_.size.y)
+    throw DeviceError(DeviceErrorCode::Programming, "The pixel grid does not lie inside the image.");
   const int columns = (camera_.size.x - grid.offset_x + grid.stride - 1) / grid.stride;
   const int rows = (camera_.size.y - grid.offset_y + grid.stride - 1) / grid.stride;
   cells_ = static_cast<std::uint32_t>(columns * rows);

@@ -17,8 +17,10 @@ class SelectPointsPass {
  public:
   SelectPointsPass(Device& device, const shader::CameraIntrinsics& camera);
 
-  /// `previous_from_current` null: every valid pixel counts, not only those in the overlap with the last frame.
-  void record(Recorder& recorder, const PreprocessPass& frame, const PixelGrid& grid, const glm::mat4* previous_from_current);
+  /// `previous_from_current` null: every valid pixel counts, not only those in the overlap with the last
+  /// frame. Throws DeviceError (Programming) for a grid without a pixel in the image.
+  void record(Recorder& recorder, const PreprocessPass& frame, const PixelGrid& grid,
+              const glm::mat4* previous_from_current);
 
   const Buffer& points() const { return selected_; }  ///< vec4 camera-frame points
   const Buffer& count() const { return count_; }

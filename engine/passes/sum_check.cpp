@@ -8,10 +8,12 @@ namespace rosefusion {
 
 SumCheck sumOnDevice(Device& device, std::span<const float> values) {
   const Kernel kernel(device, shaderCode("sum_check"), 2, sizeof(shader::SumCheckParams));
-  const Buffer input(device, values.size_bytes(), Memory::Upload), sums(device, sizeof(SumCheck), Memory::Readback);
+  const Buffer input(device, values.size_bytes(), Memory::Upload),
+      sums(device, sizeof(SumCheck), Memory::Readback);
   std::memcpy(input.as<char>().data(), values.data(), values.size_bytes());
   Recorder recorder(device);
-  recorder.dispatch(kernel, {&input, &sums}, shader::SumCheckParams{static_cast<std::uint32_t>(values.size())}, {1});
+  recorder.dispatch(kernel, {&input, &sums},
+                    shader::SumCheckParams{static_cast<std::uint32_t>(values.size())}, {1});
   recorder.submit();
   return sums.as<SumCheck>()[0];
 }

@@ -11,14 +11,16 @@ OutputFolder::OutputFolder(const std::filesystem::path& folder) : folder_(folder
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error || !fs::is_directory(folder_))
-    throw InputError(folder_.string() + ": cannot be made (" + error.message() + "); choose another folder with --out.");
+    throw InputError(folder_.string() + ": cannot be made (" + error.message() +
+                     "); choose another folder with --out.");
   for (const char* file : kOutputFiles) {
     fs::remove(folder_ / file, error);
     if (error)
       throw InputError((folder_ / file).string() + ": cannot be replaced (" + error.message() +
                        "); choose another folder with --out.");
   }
-  writeFileAtomically(folder_ / "settings.yaml", "");  // finds out now, not after an hour, that nothing can be written
+  writeFileAtomically(folder_ / "settings.yaml",
+                      "");  // finds out now, not after an hour, that nothing can be written
   fs::remove(folder_ / "settings.yaml", error);
 }
 

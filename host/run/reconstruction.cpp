@@ -32,7 +32,8 @@ std::size_t RunSummary::count(TrackingStatus status) const {
 }
 
 std::size_t RunSummary::skipped() const {
-  return static_cast<std::size_t>(std::count_if(frames.begin(), frames.end(), [](const RunFrame& f) { return f.skipped; }));
+  return static_cast<std::size_t>(
+      std::count_if(frames.begin(), frames.end(), [](const RunFrame& f) { return f.skipped; }));
 }
 
 std::vector<std::size_t> selectedFrames(std::size_t size, const RunOptions& options) {
@@ -45,14 +46,16 @@ std::vector<std::size_t> selectedFrames(std::size_t size, const RunOptions& opti
 }
 
 RunSummary reconstruct(Sequence& sequence, Pipeline& pipeline, const RunOptions& options,
-                       const std::function<void(const RunProgress&)>& progress, const std::function<bool()>& stop) {
+                       const std::function<void(const RunProgress&)>& progress,
+                       const std::function<bool()>& stop) {
   const std::vector<std::size_t> indices = selectedFrames(sequence.size(), options);
   const auto start = std::chrono::steady_clock::now();
   RunSummary summary;
   std::future<ReadFrame> ahead;
   const auto readAhead = [&](std::size_t position) {
     if (position < indices.size())
-      ahead = std::async(std::launch::async, [&sequence, index = indices[position]] { return readFrame(sequence, index); });
+      ahead = std::async(std::launch::async,
+                         [&sequence, index = indices[position]] { return readFrame(sequence, index); });
   };
   readAhead(0);
   for (std::size_t position = 0; position < indices.size(); ++position) {

@@ -42,9 +42,9 @@ struct RunSummary {
 /// The indices that a run takes from a sequence of `size` frames.
 std::vector<std::size_t> selectedFrames(std::size_t size, const RunOptions& options);
 
-/// Processes the selected frames in order, reading one ahead on another thread. `progress` is called after each frame;
-/// `stop` is asked before each, and true ends the run early. A device that is full ends it too (RunEnd::DeviceFull)
-/// with everything fused so far intact.
+/// Processes the selected frames in order, reading one ahead on another thread. `progress` is called after
+/// each frame; `stop` is asked before each, and true ends the run early. A device that is full ends it too
+/// (RunEnd::DeviceFull) with everything fused so far intact.
 RunSummary reconstruct(Sequence& sequence, Pipeline& pipeline, const RunOptions& options,
                        const std::function<void(const RunProgress&)>& progress = {},
                        const std::function<bool()>& stop = {});

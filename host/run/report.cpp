@@ -28,12 +28,15 @@ template <typename Get>
 std::vector<double> collect(const RunSummary& summary, bool searched_only, Get get) {
   std::vector<double> values;
   for (const RunFrame& f : summary.frames)
-    if (!f.skipped && (!searched_only || f.result.iterations > 0)) values.push_back(static_cast<double>(get(f.result)));
+    if (!f.skipped && (!searched_only || f.result.iterations > 0))
+      values.push_back(static_cast<double>(get(f.result)));
   return values;
 }
 
 const char* toString(RunEnd end) {
-  return end == RunEnd::Finished ? "finished" : end == RunEnd::Interrupted ? "interrupted" : "device memory full";
+  return end == RunEnd::Finished      ? "finished"
+         : end == RunEnd::Interrupted ? "interrupted"
+                                      : "device memory full";
 }
 
 std::string csvQuoted(const std::string& text) {
@@ -52,8 +55,9 @@ std::optional<TrajectoryErrors> errorsOf(const RunSummary& summary, const Sequen
 }
 
 Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& pipeline) {
-  const auto milliseconds = [&](double StageMilliseconds::* stage, bool searched) {
-    return medianAndP95(collect(summary, searched, [&](const FrameResult& r) { return r.milliseconds.*stage; }));
+  const auto milliseconds = [&](double StageMilliseconds::*stage, bool searched) {
+    return medianAndP95(
+        collect(summary, searched, [&](const FrameResult& r) { return r.milliseconds.*stage; }));
   };
   const DeviceInfo& device = pipeline.device().info();
   Json report;
@@ -70,10 +74,12 @@ Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& p
                             {"preprocess", milliseconds(&StageMilliseconds::preprocess, false)},
                             {"track", milliseconds(&StageMilliseconds::track, true)},
                             {"integrate", milliseconds(&StageMilliseconds::integrate, false)}};
-  report["iterations"] = medianAndP95(collect(summary, true, [](const FrameResult& r) { return r.iterations; }));
+  report["iterations"] =
+      medianAndP95(collect(summary, true, [](const FrameResult& r) { return r.iterations; }));
   report["lookups_per_frame"] = {
       {"median", quantile(collect(summary, true, [](const FrameResult& r) { return r.lookups; }), 0.5)}};
-  report["memory_bytes"] = {{"volume", pipeline.volume().memoryBytes()}, {"device", pipeline.device().allocatedBytes()}};
+  report["memory_bytes"] = {{"volume", pipeline.volume().memoryBytes()},
+                            {"device", pipeline.device().allocatedBytes()}};
   report["blocks"] = pipeline.volume().blockCount();
   if (const auto errors = errorsOf(summary, info)) report.update(toJson(*errors));
   return report;
@@ -81,18 +87,19 @@ Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& p
 
 std::string framesCsv(const RunSummary& summary) {
   std::ostringstream out;
-  out << "frame,timestamp_s,status,reason,iterations,lookups,residual_truncations,overlap_share,valid_share,tx_m,ty_m,tz_m,"
+  out << "frame,timestamp_s,status,reason,iterations,lookups,residual_truncations,overlap_share,valid_share,"
+         "tx_m,ty_m,tz_m,"
          "qx,qy,qz,qw,total_ms,preprocess_ms,track_ms,integrate_ms\n";
   for (const RunFrame& f : summary.frames) {
     const FrameResult& r = f.result;
     const Eigen::Vector3d t = r.world_from_camera.translation();
     const Eigen::Quaterniond q = canonical(Eigen::Quaterniond(r.world_from_camera.linear()));
     out << f.index << ',' << std::fixed << std::setprecision(6) << r.timestamp << ','
-        << (f.skipped ? "skipped" : toString(r.status)) << ',' << csvQuoted(r.reason) << ',' << r.iterations << ',' << r.lookups
-        << ',' << r.score.residual << ',' << r.score.overlap << ',' << r.score.valid_share << ',' << t.x() << ',' << t.y() << ','
-        << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w() << std::setprecision(3) << ','
-        << r.milliseconds.total << ',' << r.milliseconds.preprocess << ',' << r.milliseconds.track << ','
-        << r.milliseconds.integrate << '\n';
+        << (f.skipped ? "skipped" : toString(r.status)) << ',' << csvQuoted(r.reason) << ',' << r.iterations
+        << ',' << r.lookups << ',' << r.score.residual << ',' << r.score.overlap << ',' << r.score.valid_share
+        << ',' << t.x() << ',' << t.y() << ',' << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ','
+        << q.w() << std::setprecision(3) << ',' << r.milliseconds.total << ',' << r.milliseconds.preprocess
+        << ',' << r.milliseconds.track << ',' << r.milliseconds.integrate << '\n';
   }
   return out.str();
 }
