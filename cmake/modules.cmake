@@ -1,8 +1,12 @@
-# rosefusion_library(NAME SOURCES ... LINK ...): one static library per folder, with the project's warnings.
+# rosefusion_library(NAME SOURCES ... LINK ...): one static library per folder, with the project's warnings and the
+# shared precompiled header (Eigen, OpenCV's core, nlohmann-json and spdlog take most of a file's compile time).
 add_library(rosefusion_options INTERFACE)
 target_compile_options(rosefusion_options INTERFACE -Wall -Wextra -Wshadow -Wno-missing-field-initializers)
 if(ROSEFUSION_WARNINGS_AS_ERRORS)
   target_compile_options(rosefusion_options INTERFACE -Werror)
+endif()
+if(CCACHE_PROGRAM AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_compile_options(rosefusion_options INTERFACE -fpch-preprocess)  # lets ccache see through the header
 endif()
 if(ROSEFUSION_SANITIZE)
   target_compile_options(rosefusion_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
@@ -10,9 +14,20 @@ if(ROSEFUSION_SANITIZE)
   target_link_options(rosefusion_options INTERFACE -fsanitize=address,undefined)
 endif()
 
+add_library(rosefusion_common INTERFACE)
+target_include_directories(rosefusion_common INTERFACE ${PROJECT_SOURCE_DIR})
+target_link_libraries(rosefusion_common INTERFACE rosefusion_options Eigen3::Eigen opencv_core
+                                                  nlohmann_json::nlohmann_json spdlog::spdlog Threads::Threads)
+file(WRITE ${PROJECT_BINARY_DIR}/pch.cpp "")
+add_library(rosefusion_pch OBJECT ${PROJECT_BINARY_DIR}/pch.cpp)
+target_link_libraries(rosefusion_pch PRIVATE rosefusion_common)
+target_precompile_headers(rosefusion_pch PRIVATE
+  <Eigen/Geometry> <nlohmann/json.hpp> <opencv2/core.hpp> <spdlog/spdlog.h>
+  <algorithm> <array> <filesystem> <fstream> <functional> <map> <memory> <optional> <sstream> <string> <vector>)
+
 function(rosefusion_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
-  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
-  target_link_libraries(${name} PUBLIC rosefusion_options ${ARG_LINK} PRIVATE ${ARG_PRIVATE_LINK})
+  target_link_libraries(${name} PUBLIC rosefusion_common ${ARG_LINK} PRIVATE ${ARG_PRIVATE_LINK})
+  target_precompile_headers(${name} REUSE_FROM rosefusion_pch)
 endfunction()
