@@ -15,7 +15,7 @@ SwarmSettings releaseSwarmSettings() {
   settings.loss = FitnessLoss::kAbsolute;
   settings.max_advantage_particles = 200;
   settings.axis_scale = 0.09;
-  settings.empty_set_scale = 0.18;  // its factor 2 applies to the scaled lengths
+  settings.empty_set_scale = 0.18;  // inferred: twice axis_scale, as the first length is
   settings.first_axis_scale = 0.18;
   settings.frame_start = FrameStart::kFailureLoss;
   return settings;

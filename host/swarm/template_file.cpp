@@ -1,8 +1,8 @@
 #include "host/swarm/template_file.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <string>

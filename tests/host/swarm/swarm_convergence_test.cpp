@@ -47,7 +47,7 @@ class SwarmConvergence : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     TemplateOptions options;
-    options.count = 4;
+    options.count = 2;
     templates_ = new TemplateSet(generateTemplates(options));
   }
   static void TearDownTestSuite() {

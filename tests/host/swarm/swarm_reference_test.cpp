@@ -2,8 +2,13 @@
 // proof that every constant matters to it.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <ostream>
+#include <string>
 
 #include "host/swarm/swarm_update.h"
 
@@ -148,6 +153,8 @@ TEST(SwarmReference, FollowsThePapersEquations) {
 struct Perturbation {
   std::string name;
   std::function<void(SwarmSettings&)> apply;
+
+  friend void PrintTo(const Perturbation& perturbation, std::ostream* out) { *out << perturbation.name; }
 };
 
 class EverySetting : public testing::TestWithParam<Perturbation> {};
