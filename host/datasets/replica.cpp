@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <regex>
 
 #include "host/datasets/listing.h"
 #include "host/datasets/text_table.h"
@@ -16,12 +15,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kFramesPerSecond = 30;
-const std::regex kDepthName("depth([0-9]{1,9})\\.png");
 
 bool matches(const fs::path& folder) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder / "results", ignored))
-    if (std::regex_match(entry.path().filename().string(), kDepthName)) return true;
+    if (digitsBetween(entry.path().filename().string(), "depth", ".png")) return true;
   return false;
 }
 
@@ -70,12 +68,11 @@ Listing list(const fs::path& folder) {
   Listing listing{.format = kReplicaReader.format, .path = folder};
   readCamera(listing);
   for (const auto& entry : fs::directory_iterator(folder / "results")) {
-    const std::string name = entry.path().filename().string();
-    std::smatch match;
-    if (!std::regex_match(name, match, kDepthName)) continue;
-    fs::path colour = folder / "results" / ("frame" + match[1].str() + ".jpg");
+    const auto number = digitsBetween(entry.path().filename().string(), "depth", ".png");
+    if (!number) continue;
+    fs::path colour = folder / "results" / ("frame" + *number + ".jpg");
     if (!fs::exists(colour)) colour.clear();
-    listing.frames.push_back({std::stol(match[1].str()) / kFramesPerSecond, entry.path(), colour});
+    listing.frames.push_back({std::stoi(*number) / kFramesPerSecond, entry.path(), colour});
   }
   std::sort(listing.frames.begin(), listing.frames.end(),
             [](const FrameFiles& a, const FrameFiles& b) { return a.timestamp < b.timestamp; });

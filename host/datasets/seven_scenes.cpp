@@ -1,6 +1,5 @@
 // 7-Scenes (Shotton et al., CVPR 2013): frame-NNNNNN.depth.png in millimetres with a .pose.txt each.
 #include <algorithm>
-#include <regex>
 
 #include "host/datasets/listing.h"
 #include "host/datasets/text_table.h"
@@ -13,12 +12,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kFramesPerSecond = 30;
-const std::regex kDepthName("frame-([0-9]{1,9})\\.depth\\.png");
+constexpr const char* kPrefix = "frame-";
+constexpr const char* kDepthEnding = ".depth.png";
 
 bool matches(const fs::path& folder) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored))
-    if (std::regex_match(entry.path().filename().string(), kDepthName)) return true;
+    if (digitsBetween(entry.path().filename().string(), kPrefix, kDepthEnding)) return true;
   return false;
 }
 
@@ -41,9 +41,8 @@ void readPoses(Listing& listing) {
   std::string first;
   std::size_t skipped = 0, missing = 0;
   for (const FrameFiles& frame : listing.frames) {
-    const std::string name = frame.depth.filename().string();
-    const fs::path file =
-        listing.path / (name.substr(0, name.size() - std::string(".depth.png").size()) + ".pose.txt");
+    const auto number = digitsBetween(frame.depth.filename().string(), kPrefix, kDepthEnding);
+    const fs::path file = listing.path / (kPrefix + number.value() + ".pose.txt");
     Pose pose;
     if (!fs::exists(file)) {
       ++missing;
@@ -71,12 +70,10 @@ Listing list(const fs::path& folder) {
   Listing listing{.format = kSevenScenesReader.format, .path = folder, .depth_units_per_metre = 1000};
   listing.camera = readCamera(folder);
   for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    std::smatch match;
-    if (!std::regex_match(name, match, kDepthName)) continue;
-    const std::string stem = "frame-" + match[1].str();
-    listing.frames.push_back(
-        {std::stol(match[1].str()) / kFramesPerSecond, entry.path(), colourOf(folder, stem)});
+    const auto number = digitsBetween(entry.path().filename().string(), kPrefix, kDepthEnding);
+    if (!number) continue;
+    const fs::path colour = colourOf(folder, kPrefix + *number);
+    listing.frames.push_back({std::stoi(*number) / kFramesPerSecond, entry.path(), colour});
   }
   std::sort(listing.frames.begin(), listing.frames.end(),
             [](const FrameFiles& a, const FrameFiles& b) { return a.timestamp < b.timestamp; });

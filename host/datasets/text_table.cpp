@@ -35,6 +35,17 @@ bool parseNumber(const std::string& field, double& value) {
   return !field.empty() && *end == '\0';
 }
 
+std::optional<std::string> digitsBetween(const std::string& name, std::string_view prefix,
+                                         std::string_view suffix) {
+  constexpr std::size_t kMostDigits = 9;  // fits an int
+  if (!name.starts_with(prefix) || !name.ends_with(suffix) || name.size() <= prefix.size() + suffix.size())
+    return std::nullopt;
+  const std::string digits = name.substr(prefix.size(), name.size() - prefix.size() - suffix.size());
+  if (digits.size() > kMostDigits || digits.find_first_not_of("0123456789") != std::string::npos)
+    return std::nullopt;
+  return digits;
+}
+
 std::vector<double> readNumbers(const std::filesystem::path& file) {
   std::vector<double> numbers;
   for (const TextRow& row : readTextTable(file).rows)

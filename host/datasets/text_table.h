@@ -1,7 +1,9 @@
 // Small text files: whitespace-separated fields, '#' comments, CRLF tolerated.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace rosefusion::datasets {
@@ -21,6 +23,11 @@ TextTable readTextTable(const std::filesystem::path& file);
 
 /// True when the whole field is one number (finite or not).
 bool parseNumber(const std::string& field, double& value);
+
+/// The number in names such as frame-000012.depth.png: the digits (at most nine) between `prefix` and
+/// `suffix`, as text with its leading zeros. Nothing when the name has another form.
+std::optional<std::string> digitsBetween(const std::string& name, std::string_view prefix,
+                                         std::string_view suffix);
 
 /// Every number of the file in reading order. Throws InputError naming the line of a field that is no number.
 std::vector<double> readNumbers(const std::filesystem::path& file);

@@ -1,7 +1,8 @@
 // TUM RGB-D (Sturm et al., IROS 2012): depth.txt, rgb.txt, groundtruth.txt; depth in 1/5000 m.
+#include <algorithm>
 #include <cctype>
 #include <map>
-#include <regex>
+#include <string_view>
 
 #include "host/datasets/association.h"
 #include "host/datasets/listing.h"
@@ -16,10 +17,17 @@ namespace fs = std::filesystem;
 constexpr double kUnitsPerMetre = 5000;
 
 /// 1, 2 or 3 when the text names one of the three cameras the data set was recorded with, else 0.
-int freiburgNumber(const std::string& text) {
-  static const std::regex kName("(freiburg|fr)([123])(?![0-9])", std::regex::icase);
-  std::smatch match;
-  return std::regex_search(text, match, kName) ? match[2].str()[0] - '0' : 0;
+int freiburgNumber(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  text += ' ';
+  for (const std::string_view name : {"freiburg", "fr"})
+    for (auto at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) {
+      const std::size_t digit = at + name.size();
+      const bool longer_number =
+          digit + 1 < text.size() && std::isdigit(static_cast<unsigned char>(text[digit + 1]));
+      if (text[digit] >= '1' && text[digit] <= '3' && !longer_number) return text[digit] - '0';
+    }
+  return 0;
 }
 
 std::string nameOf(const fs::path& folder) {

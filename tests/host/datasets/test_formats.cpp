@@ -84,7 +84,7 @@ void makeReplica(const TemporaryFolder& folder) {
   }
   folder.write("traj.txt",
                "1.000000000000000000e+00 0 0 1.5 0 1 0 2.5 0 0 1 3.5 0 0 0 1\n"
-               "nan 0 0 1.5 0 1 0 2.5 0 0 1 3.5 0 0 0 1\n"
+               "broken 0 0 1.5 0 1 0 2.5 0 0 1 3.5 0 0 0 1\n"
                "0 -1 0 0.5 1 0 0 -0.25 0 0 1 2 0 0 0 1\n");
 }
 

@@ -111,6 +111,7 @@ TEST(Tum, IntrinsicsFollowTheNameAndAreMarkedAssumed) {
   } cases[] = {{"rgbd_dataset_freiburg1_rpy", {640, 480, 517.3, 516.5, 318.6, 255.3}},
                {"rgbd_dataset_freiburg2_xyz", {640, 480, 520.9, 521.0, 325.1, 249.7}},
                {"fr3_office", {640, 480, 535.4, 539.2, 320.1, 247.6}},
+               {"fr12_other", {640, 480, 525.0, 525.0, 319.5, 239.5}},
                {"kitchen", {640, 480, 525.0, 525.0, 319.5, 239.5}}};
   for (const auto& c : cases) {
     const TemporaryFolder folder(c.folder);
