@@ -15,11 +15,13 @@
 namespace rosefusion::cli {
 namespace {
 
+constexpr int kAllFrames = 1000000;  // of a recording, which ends earlier
+
 struct Arguments {
   SynthOptions options;
   std::filesystem::path out;
   std::optional<double> low, mean, high, angular_mean, angular_high, cx, cy;
-  bool force = false;
+  bool force = false, frames_given = false;
   std::string json;
 };
 
@@ -45,6 +47,7 @@ void settle(Arguments& a) {
   k.cy = a.cy.value_or((k.height - 1) / 2.0);
   if (a.options.motion != Motion::kReplay && !a.options.replay_file.empty())
     a.options.motion = Motion::kReplay;
+  if (a.options.motion == Motion::kReplay && !a.frames_given) a.options.frames = kAllFrames;
 }
 
 /// A bar on a terminal, a line every tenth elsewhere.
@@ -73,7 +76,10 @@ class Progress {
 void run(Arguments& a) {
   settle(a);
   requireUsableOutput(a.out, a.force);
+  std::fprintf(stderr, "building the scene and planning the motion\n");
   const SynthPlan plan(a.options);
+  if (a.frames_given && static_cast<int>(plan.truth().size()) < a.options.frames)
+    std::fprintf(stderr, "the recording ends after %zu frames\n", plan.truth().size());
   writeTumSequence(a.out, plan, a.force, Progress());
   const MotionStatistics s = plan.statistics();
   if (a.json != "-")
@@ -94,7 +100,10 @@ void addSynthCommand(CLI::App& app) {
       "synth", "Make a depth sequence with known truth, from a procedural room or a mesh.");
   c->add_option("OUT_DIR", a->out, "folder to make (TUM RGB-D layout)")->required();
   c->add_option("--seed", a->options.seed, "of the room, the motion and the noise")->capture_default_str();
-  c->add_option("--frames", a->options.frames, "number of frames")->capture_default_str();
+  c->add_option("--frames", a->options.frames,
+                "number of frames; replay: at most, all of the recording when left out")
+      ->capture_default_str()
+      ->each([a](const std::string&) { a->frames_given = true; });
   c->add_option("--fps", a->options.fps, "frames a second")->capture_default_str();
   c->add_flag("--force", a->force, "replace a sequence generated earlier");
   c->add_option("--json", a->json, "write the report (synth.json) to this file too; - for standard output");
