@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <glm/mat4x4.hpp>
+#include <optional>
 #include <vector>
 
 #include "engine/passes/allocate.h"
@@ -14,7 +15,8 @@
 
 namespace rosefusion::testing {
 
-/// Two cameras: a plain one, and one with odd sizes and a negative fy as in ICL-NUIM. All numbers are exact floats.
+/// Two cameras: a plain one, and one with odd sizes and a negative fy as in ICL-NUIM. All numbers are exact
+/// floats.
 inline const Intrinsics kPlainCamera{160, 120, 130.5, 130.25, 79.5, 59.5};
 inline const Intrinsics kOddCamera{161, 121, 140.25, -138.5, 80.25, 59.125};
 
@@ -25,7 +27,8 @@ inline std::string cameraName(const ::testing::TestParamInfo<Intrinsics>& info) 
 }
 
 inline shader::CameraIntrinsics onDevice(const Intrinsics& camera) {
-  return {glm::vec4(camera.fx, camera.fy, camera.cx, camera.cy), glm::ivec4(camera.width, camera.height, 0, 0)};
+  return {glm::vec4(camera.fx, camera.fy, camera.cx, camera.cy),
+          glm::ivec4(camera.width, camera.height, 0, 0)};
 }
 
 inline glm::mat4 onDevice(const Pose& pose) {
@@ -74,7 +77,8 @@ struct SceneRun {
   Volume volume;
   Recorder recorder;
 
-  SceneRun(Device& on, const Sequence& input, const VolumeOptions& options, std::uint32_t request_capacity = 1u << 16)
+  SceneRun(Device& on, const Sequence& input, const VolumeOptions& options,
+           std::uint32_t request_capacity = 1u << 16)
       : device(on),
         sequence(input),
         preprocess(on, onDevice(input.camera)),
@@ -99,7 +103,8 @@ struct SceneRun {
   }
   void integrateDepth(const Pose& world_from_camera) {
     const double far = sequence.sensor.max_depth + volume.options().truncation;
-    integrate.record(recorder, volume, preprocess, onDevice(sequence.camera), onDevice(world_from_camera.inverse()), far);
+    integrate.record(recorder, volume, preprocess, onDevice(sequence.camera),
+                     onDevice(world_from_camera.inverse()), far);
     recorder.submit();
   }
   void fuse(std::size_t frame) {
@@ -124,7 +129,8 @@ inline std::vector<reference::Block> blocksOf(const Volume& volume) {
 
 /// Without slot 0, which must have stayed unobserved; `contents` must outlive the result.
 inline reference::TsdfContents inReferenceTypes(const VolumeContents& contents) {
-  for (int i = 0; i < 512; ++i) EXPECT_TRUE(contents.tsdf[i] == 1 && contents.weight[i] == 0) << "slot 0 was written";
+  for (int i = 0; i < 512; ++i)
+    EXPECT_TRUE(contents.tsdf[i] == 1 && contents.weight[i] == 0) << "slot 0 was written";
   reference::TsdfContents out;
   for (std::size_t i = 1; i < contents.blocks.size(); ++i)
     out.blocks.push_back({contents.blocks[i].x, contents.blocks[i].y, contents.blocks[i].z});
@@ -134,15 +140,24 @@ inline reference::TsdfContents inReferenceTypes(const VolumeContents& contents) 
   return out;
 }
 
+/// Passes when the comparison found what it must find: for references made wrong on purpose.
+inline ::testing::AssertionResult differs(const reference::Comparison& result) {
+  return (result.mismatched > 0 ? ::testing::AssertionSuccess() : ::testing::AssertionFailure())
+         << result.mismatched << " of " << result.compared << " mismatched, worst " << result.worst
+         << " tolerances";
+}
+
 /// Passes when all compared values agree, there are some, and no more than `skipped_share` were left out.
 inline ::testing::AssertionResult agrees(const reference::Comparison& result, double skipped_share = 0) {
   const double total = static_cast<double>(result.compared + result.skipped);
-  const std::string figures = std::to_string(result.compared) + " compared, " + std::to_string(result.skipped) +
-                              " skipped, " + std::to_string(result.mismatched) + " mismatched, worst " +
+  const std::string figures = std::to_string(result.compared) + " compared, " +
+                              std::to_string(result.skipped) + " skipped, " +
+                              std::to_string(result.mismatched) + " mismatched, worst " +
                               std::to_string(result.worst) + " tolerances";
   if (result.compared == 0) return ::testing::AssertionFailure() << "nothing was compared; " << figures;
   if (result.mismatched > 0) return ::testing::AssertionFailure() << figures << "; first: " << result.first;
-  if (result.skipped > skipped_share * total) return ::testing::AssertionFailure() << "too many skipped; " << figures;
+  if (result.skipped > skipped_share * total)
+    return ::testing::AssertionFailure() << "too many skipped; " << figures;
   return ::testing::AssertionSuccess() << figures;
 }
 

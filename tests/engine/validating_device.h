@@ -1,5 +1,7 @@
-// The fixture of all engine tests: one Device per test suite, with validation; a validation message fails the test.
+// The fixture of all engine tests: one Device per test suite, with validation; a validation message fails the
+// test.
 #pragma once
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -55,13 +57,15 @@ class ValidatingDevice : public ::testing::Test {
 
 /// Runs `action`, which must throw a DeviceError with `code` whose sentence contains every one of `parts`.
 template <typename Action>
-::testing::AssertionResult throwsDeviceError(Action action, DeviceErrorCode code, std::initializer_list<const char*> parts) {
+::testing::AssertionResult throwsDeviceError(Action action, DeviceErrorCode code,
+                                             std::initializer_list<const char*> parts) {
   try {
     action();
   } catch (const DeviceError& error) {
     const std::string sentence = error.what();
     if (error.code() != code)
-      return ::testing::AssertionFailure() << "wrong code " << static_cast<int>(error.code()) << ": " << sentence;
+      return ::testing::AssertionFailure()
+             << "wrong code " << static_cast<int>(error.code()) << ": " << sentence;
     for (const char* part : parts)
       if (sentence.find(part) == std::string::npos)
         return ::testing::AssertionFailure() << "'" << part << "' is not in: " << sentence;
