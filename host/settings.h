@@ -38,6 +38,7 @@ struct TrackingSettings {
 
 struct MeshSettings {
   double min_weight = 2;
+  int min_component = 100;
 };
 
 struct Settings {
