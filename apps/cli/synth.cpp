@@ -15,12 +15,14 @@
 namespace rosefusion::cli {
 namespace {
 
+constexpr int kAllFrames = 1000000;  // of a recording, which ends earlier
+
 struct Arguments {
   SynthOptions options;
   std::filesystem::path out;
   std::optional<double> low, mean, high, angular_mean, angular_high, cx, cy;
-  bool force = false;
-  std::string json;
+  bool force = false, frames_given = false;
+  std::string json, up = "guess", motion = "6d", noise = "handa";
 };
 
 /// Speeds left out follow those given, in the proportions of the defaults.
@@ -30,6 +32,8 @@ void settle(Arguments& a) {
   if (!a.high && a.mean && *a.mean > 0.8 * usual.high) a.high = *a.mean * usual.high / usual.mean;
   linear.high = a.high.value_or(usual.high);
   linear.mean = a.mean.value_or(linear.high * usual.mean / usual.high);
+  // A floor that was raised raises the mean with it.
+  if (a.low && !a.mean) linear.mean = std::max(linear.mean, *a.low + 0.25 * (linear.high - *a.low));
   linear.low =
       a.low.value_or(std::min(linear.high * usual.low / usual.high, linear.mean * usual.low / usual.mean));
   SpeedRange& angular = a.options.angular;
@@ -43,8 +47,15 @@ void settle(Arguments& a) {
   Intrinsics& k = a.options.intrinsics;
   k.cx = a.cx.value_or((k.width - 1) / 2.0);
   k.cy = a.cy.value_or((k.height - 1) / 2.0);
-  if (a.options.motion != Motion::kReplay && !a.options.replay_file.empty())
-    a.options.motion = Motion::kReplay;
+  const std::map<std::string, Motion> motions{{"6d", Motion::kSixDof},
+                                              {"linear", Motion::kLinear},
+                                              {"rotation", Motion::kRotation},
+                                              {"replay", Motion::kReplay}};
+  const std::map<std::string, UpAxis> axes{{"guess", UpAxis::kGuess}, {"y", UpAxis::kY}, {"z", UpAxis::kZ}};
+  a.options.motion = a.options.replay_file.empty() ? motions.at(a.motion) : Motion::kReplay;
+  a.options.up = axes.at(a.up);
+  a.options.noise = a.noise == "none" ? DepthNoise::kNone : DepthNoise::kHanda;
+  if (a.options.motion == Motion::kReplay && !a.frames_given) a.options.frames = kAllFrames;
 }
 
 /// A bar on a terminal, a line every tenth elsewhere.
@@ -72,8 +83,12 @@ class Progress {
 
 void run(Arguments& a) {
   settle(a);
+  requirePlausible(a.options);
   requireUsableOutput(a.out, a.force);
+  std::fprintf(stderr, "building the scene and planning the motion\n");
   const SynthPlan plan(a.options);
+  if (a.frames_given && static_cast<int>(plan.truth().size()) < a.options.frames)
+    std::fprintf(stderr, "the recording ends after %zu frames\n", plan.truth().size());
   writeTumSequence(a.out, plan, a.force, Progress());
   const MotionStatistics s = plan.statistics();
   if (a.json != "-")
@@ -94,7 +109,10 @@ void addSynthCommand(CLI::App& app) {
       "synth", "Make a depth sequence with known truth, from a procedural room or a mesh.");
   c->add_option("OUT_DIR", a->out, "folder to make (TUM RGB-D layout)")->required();
   c->add_option("--seed", a->options.seed, "of the room, the motion and the noise")->capture_default_str();
-  c->add_option("--frames", a->options.frames, "number of frames")->capture_default_str();
+  c->add_option("--frames", a->options.frames,
+                "number of frames; replay: at most, all of the recording when left out")
+      ->capture_default_str()
+      ->each([a](const std::string&) { a->frames_given = true; });
   c->add_option("--fps", a->options.fps, "frames a second")->capture_default_str();
   c->add_flag("--force", a->force, "replace a sequence generated earlier");
   c->add_option("--json", a->json, "write the report (synth.json) to this file too; - for standard output");
@@ -104,17 +122,16 @@ void addSynthCommand(CLI::App& app) {
   c->add_option("--mesh", a->options.mesh_file,
                 "closed room or building in metres (PLY, OBJ, STL, glTF) instead of the procedural room")
       ->group("Scene");
-  c->add_option("--up", a->options.up, "up axis of the mesh: guess, y or z")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, UpAxis>{{"guess", UpAxis::kGuess}, {"y", UpAxis::kY}, {"z", UpAxis::kZ}}))
+  c->add_option("--up", a->up, "up axis of the mesh")
+      ->check(CLI::IsMember({"guess", "y", "z"}))
+      ->capture_default_str()
       ->group("Scene");
 
   const std::string motion = "Motion";
-  c->add_option("--motion", a->options.motion, "6d (default), linear, rotation or replay")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Motion>{{"6d", Motion::kSixDof},
-                                                                        {"linear", Motion::kLinear},
-                                                                        {"rotation", Motion::kRotation},
-                                                                        {"replay", Motion::kReplay}}))
+  c->add_option("--motion", a->motion,
+                "free flight, to and fro on a line, turning on the spot, or a recording")
+      ->check(CLI::IsMember({"6d", "linear", "rotation", "replay"}))
+      ->capture_default_str()
       ->group(motion);
   c->add_option("--speed", a->mean, "mean linear speed, m/s [1.68, or 0.42 of --max-speed]")->group(motion);
   c->add_option("--min-speed", a->low, "m/s [1.0, or a quarter of --max-speed]")->group(motion);
@@ -142,9 +159,9 @@ void addSynthCommand(CLI::App& app) {
   c->add_option("--max-depth", a->options.max_depth, "metres; what is further reads 0")
       ->capture_default_str()
       ->group(camera);
-  c->add_option("--noise", a->options.noise, "handa (Handa et al. 2014, default) or none")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, DepthNoise>{{"handa", DepthNoise::kHanda}, {"none", DepthNoise::kNone}}))
+  c->add_option("--noise", a->noise, "depth noise: Handa et al. 2014, or none")
+      ->check(CLI::IsMember({"handa", "none"}))
+      ->capture_default_str()
       ->group(camera);
   c->add_flag("--colour,--color", a->options.colour, "write rgb/ as well")->group(camera);
 

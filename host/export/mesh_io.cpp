@@ -1,5 +1,5 @@
-// Mesh files: assimp reads every format; PLY is written here, because assimp 5.2 (Debian 12) writes binary
-// PLY colours as floats under a header that says uchar.
+// Mesh files. PLY is read and written here, because assimp 5.2 (Debian 12) swallows bytes of some binary
+// files and writes binary colours as floats under a header that says uchar; assimp reads every other format.
 #include "host/export/mesh_io.h"
 
 #include <assimp/config.h>
@@ -10,10 +10,14 @@
 #include <assimp/Importer.hpp>
 #include <bit>
 #include <cmath>
+#include <cstring>
+#include <fstream>
 #include <string>
 #include <system_error>
+#include <unordered_map>
 
 #include "host/error.h"
+#include "host/export/ply_reader.h"
 #include "host/file_io.h"
 
 namespace rosefusion {
@@ -78,12 +82,13 @@ void requireConsistent(const std::filesystem::path& file, const TriangleMesh& me
                      "reconstruct or load a surface first.");
 }
 
-}  // namespace
+bool isPly(const std::filesystem::path& file) {
+  char magic[4] = {};
+  std::ifstream(file, std::ios::binary).read(magic, 4);
+  return std::memcmp(magic, "ply\n", 4) == 0 || std::memcmp(magic, "ply\r", 4) == 0;
+}
 
-TriangleMesh readMesh(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error))
-    throw InputError(file.string() + ": no such mesh file; give a PLY, OBJ, STL or glTF file.");
+TriangleMesh readWithAssimp(const std::filesystem::path& file) {
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = importer.ReadFile(file.string(), 0);
@@ -91,7 +96,7 @@ TriangleMesh readMesh(const std::filesystem::path& file) {
   if (scene) {
     requireValidIndices(file, *scene);
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices |
-                                         aiProcess_JoinIdenticalVertices | aiProcess_SortByPType);
+                                         aiProcess_SortByPType);
   }
   TriangleMesh mesh;
   if (scene) {
@@ -107,10 +112,55 @@ TriangleMesh readMesh(const std::filesystem::path& file) {
   if (!scene && reason.find("no meshes") == std::string::npos && !reason.empty())
     throw InputError(file.string() + ": not a readable mesh (" + reason +
                      "); convert it to PLY, OBJ, STL or glTF.");
+  return mesh;
+}
+
+/// Makes vertices that are equal in everything one, in the order of their first use; drops those no triangle
+/// uses.
+void weld(TriangleMesh& mesh) {
+  using Key = std::array<std::uint32_t, 7>;
+  struct Hash {
+    std::size_t operator()(const Key& key) const {
+      std::uint64_t h = 14695981039346656037ull;
+      for (const std::uint32_t word : key) h = (h ^ word) * 1099511628211ull;
+      return h ^ (h >> 29);
+    }
+  };
+  std::unordered_map<Key, std::uint32_t, Hash> known;
+  TriangleMesh welded;
+  for (auto triangle : mesh.triangles) {
+    for (std::uint32_t& v : triangle) {
+      Key key{};
+      const Eigen::Vector3f position = mesh.vertices[v].array() + 0.0f;  // -0 is 0
+      std::memcpy(key.data(), position.data(), 12);
+      if (!mesh.normals.empty()) std::memcpy(key.data() + 3, mesh.normals[v].data(), 12);
+      if (!mesh.colours.empty()) std::memcpy(key.data() + 6, mesh.colours[v].data(), 3);
+      const auto [entry, is_new] = known.try_emplace(key, static_cast<std::uint32_t>(welded.vertices.size()));
+      if (is_new) {
+        welded.vertices.push_back(mesh.vertices[v]);
+        if (!mesh.normals.empty()) welded.normals.push_back(mesh.normals[v]);
+        if (!mesh.colours.empty()) welded.colours.push_back(mesh.colours[v]);
+      }
+      v = entry->second;
+    }
+    if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0])
+      welded.triangles.push_back(triangle);
+  }
+  mesh = std::move(welded);
+}
+
+}  // namespace
+
+TriangleMesh readMesh(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error))
+    throw InputError(file.string() + ": no such mesh file; give a PLY, OBJ, STL or glTF file.");
+  TriangleMesh mesh = isPly(file) ? readPly(file) : readWithAssimp(file);
   if (mesh.triangles.empty())
     throw InputError(file.string() + ": the mesh has no triangles; export it as a triangulated surface.");
   if (!std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const auto& v) { return v.allFinite(); }))
     throw InputError(file.string() + ": the mesh has vertices that are not finite; repair it first.");
+  weld(mesh);
   return mesh;
 }
 

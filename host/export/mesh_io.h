@@ -1,4 +1,4 @@
-// Mesh files, through assimp.
+// Mesh files in and out.
 #pragma once
 #include <filesystem>
 
@@ -6,12 +6,12 @@
 
 namespace rosefusion {
 
-/// Reads any triangle mesh assimp knows (PLY, OBJ, STL, glTF ...), all its parts joined, identical vertices welded,
-/// in the file's own axes and units (taken as metres). Throws InputError for a missing, unreadable or empty file.
+/// Reads PLY and whatever assimp knows (OBJ, STL, glTF ...), all parts joined, equal vertices welded, in the
+/// file's own axes and units (taken as metres). Throws InputError for a missing, unreadable or empty file.
 TriangleMesh readMesh(const std::filesystem::path& file);
 
-/// Writes binary little-endian PLY with float positions, normals and uchar colours where present. The file appears
-/// whole or not at all; throws InputError naming it.
+/// Writes binary little-endian PLY with float positions, normals and uchar colours where present. The file
+/// appears whole or not at all; throws InputError naming it.
 void writePly(const std::filesystem::path& file, const TriangleMesh& mesh);
 
 }  // namespace rosefusion

@@ -29,9 +29,9 @@ void requireOrdered(const SpeedRange& range, const char* what, const char* low, 
 void requirePlausible(const SynthOptions& o) {
   requireWithin(o.frames, 2, 1000000, "--frames", "");
   requireWithin(o.fps, 1, 1000, "--fps", " frames a second");
-  requireWithin(o.linear.low, 0, 20, "--min-speed", " m/s");
-  requireWithin(o.linear.mean, 0.05, 20, "--speed", " m/s");
   requireWithin(o.linear.high, 0.05, 20, "--max-speed", " m/s");
+  requireWithin(o.linear.mean, 0.05, 20, "--speed", " m/s");
+  requireWithin(o.linear.low, 0, 20, "--min-speed", " m/s");
   requireWithin(o.angular.mean, 0, 20, "--angular", " rad/s");
   requireWithin(o.angular.high, 0, 20, "--max-angular", " rad/s");
   requireOrdered(o.linear, "linear", "--min-speed", "--speed", "--max-speed");

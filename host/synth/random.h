@@ -1,4 +1,4 @@
-// Seeded random numbers that are the same on every machine (the standard's distributions are not).
+// Seeded random numbers, independent of the standard library at hand (whose distributions differ).
 #pragma once
 #include <Eigen/Core>
 #include <cmath>

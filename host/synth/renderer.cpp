@@ -61,7 +61,7 @@ cv::Mat renderColour(const Tracer& tracer, const Intrinsics& intrinsics, const P
   castImage(tracer, intrinsics, world_from_camera, kFarthest,
             [&](int row, int column, const Tracer::Hit& hit, const Eigen::Vector3d& direction) {
               if (hit.triangle == Tracer::kNone) return;
-              const float light = 0.45f + 0.55f * static_cast<float>(std::abs(hit.normal.dot(lamp)));
+              const float light = 0.6f + 0.55f * static_cast<float>(std::abs(hit.normal.dot(lamp)));
               const Eigen::Vector3f rgb =
                   255 * light * surfaceColour(scene, hit, origin + hit.distance * direction);
               colour.at<cv::Vec3b>(row, column) = {cv::saturate_cast<std::uint8_t>(rgb.z()),

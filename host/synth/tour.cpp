@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kMostStops = 16;
 constexpr double kArrived = 0.8;  // metres from a stop
-constexpr double kDetour = 1.2;   // a smooth flight against the way along the grid
+constexpr double kDetour =
+    0.95;  // a smooth flight against the way along the grid, which turns at right angles
 constexpr int kMostBacktracks =
     40;  // then a stop counts as out of reach for a camera that cannot turn on the spot
 

@@ -55,8 +55,10 @@ const char* nameOf(Motion motion) {
   return "6d";
 }
 
-fs::path trimmed(const fs::path& folder) {  // "out/" is "out"
-  return folder.has_filename() ? folder : folder.parent_path();
+/// Absolute and without a slash at the end, so that ".part" can be added to its name.
+fs::path settled(const fs::path& folder) {
+  const fs::path whole = fs::absolute(folder).lexically_normal();
+  return whole.has_filename() ? whole : whole.parent_path();
 }
 
 }  // namespace
@@ -111,7 +113,7 @@ std::string synthReport(const SynthPlan& plan) {
 
 void writeTumSequence(const fs::path& out, const SynthPlan& plan, bool force,
                       const std::function<void(int, int)>& progress) {
-  const fs::path folder = trimmed(out);
+  const fs::path folder = settled(out);
   requireUsableOutput(folder, force);
   fs::path part = folder;
   part += ".part";

@@ -44,9 +44,10 @@ ivec3 clampToTable(ivec3 entry) { return clamp(entry, ivec3(0), volume.table_siz
 #ifdef VOLUME_TSDF
 POOL(tsdf, VOLUME_TSDF)
 
+uint tsdfWordInBlock(uint slot, uint word) { return tsdfWord(chunkOf(slot), slotInChunk(slot) * kBlockTsdfWords + word); }
+
 float tsdfInBlock(uint slot, uint local) {
-  uint word = tsdfWord(chunkOf(slot), slotInChunk(slot) * kBlockTsdfWords + (local >> 1));
-  return tsdfOf(word << (16u - 16u * (local & 1u)));
+  return tsdfOf(tsdfWordInBlock(slot, local >> 1) << (16u - 16u * (local & 1u)));
 }
 #endif
 

@@ -1,0 +1,116 @@
+#include "engine/passes/extract.h"
+
+#include <cstring>
+#include <limits>
+
+#include "engine/error.h"
+#include "engine/passes/marching_cubes.h"
+
+namespace rosefusion {
+namespace {
+
+using namespace shader;
+
+constexpr std::uint32_t kCountBatch = 16384;   // blocks
+constexpr std::uint32_t kVertices = 1u << 18;  // of an emitted batch; a block has at most kBlockEdges
+constexpr std::uint32_t kTriangles = 1u << 19;
+constexpr std::uint32_t kMaxSlots = std::numeric_limits<std::uint32_t>::max() / kBlockEdges;
+static_assert(kVertices >= kBlockEdges && kTriangles >= kBlockVoxels * kCaseTriangles, "one block must fit");
+
+std::vector<std::uint32_t> caseTable() {
+  std::vector<std::uint32_t> words(256 * kCaseWords, 0);
+  const auto cases = marchingCubesCases();
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    std::uint32_t* row = &words[i * kCaseWords];
+    for (const CellTriangle& t : cases[i]) row[++row[0]] = t[0] | t[1] << 4 | t[2] << 8;
+  }
+  return words;
+}
+
+}  // namespace
+
+struct ExtractPass::Work {
+  const Volume& volume;
+  const Kernels& kernels;
+  float min_weight;
+  Recorder recorder;
+  Buffer counts, listed, vertices, triangles;
+};
+
+ExtractPass::ExtractPass(Device& device) : device_(device) {
+  const auto words = caseTable();
+  cases_ = Buffer(device, 4 * words.size(), Memory::Upload);
+  std::memcpy(cases_.as<char>().data(), words.data(), 4 * words.size());
+}
+
+void ExtractPass::count(Work& work, std::uint32_t first_slot, std::uint32_t blocks) {
+  const ExtractCountParams params{first_slot, blocks, work.min_weight, 0};
+  const Volume& volume = work.volume;
+  const Buffer* buffers[kExtractCountBindings] = {&volume.layoutBuffer(), &volume.table(), &volume.blockBuffer()};
+  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
+    buffers[kExtractCountBindTsdf + chunk] = &volume.tsdf(chunk);
+    buffers[kExtractCountBindWeight + chunk] = &volume.weight(chunk);
+  }
+  buffers[kExtractCountBindCases] = &cases_;
+  buffers[kExtractCountBindCounts] = &work.counts;
+  work.recorder.dispatchGroups(work.kernels.count, buffers, &params, sizeof(params), blocks);
+  work.recorder.submit();
+}
+
+void ExtractPass::emit(Work& work, std::span<const ExtractBlock> listed) {
+  std::memcpy(work.listed.as<char>().data(), listed.data(), listed.size_bytes());
+  const Volume& volume = work.volume;
+  const ExtractEmitParams params{static_cast<std::uint32_t>(listed.size()), work.min_weight, volume.options().colour, 0};
+  const Buffer* buffers[kExtractEmitBindings] = {&volume.layoutBuffer(), &volume.table(), &volume.blockBuffer()};
+  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
+    buffers[kExtractEmitBindTsdf + chunk] = &volume.tsdf(chunk);
+    buffers[kExtractEmitBindWeight + chunk] = &volume.weight(chunk);
+    buffers[kExtractEmitBindColour + chunk] = &volume.colour(chunk);
+  }
+  buffers[kExtractEmitBindCases] = &cases_;
+  buffers[kExtractEmitBindListed] = &work.listed;
+  buffers[kExtractEmitBindVertices] = &work.vertices;
+  buffers[kExtractEmitBindTriangles] = &work.triangles;
+  work.recorder.dispatchGroups(work.kernels.emit, buffers, &params, sizeof(params), static_cast<std::uint32_t>(listed.size()));
+  work.recorder.submit();
+}
+
+void ExtractPass::run(const Volume& volume, float min_weight, const std::function<void(const ExtractBatch&)>& take) {
+  const auto slots = static_cast<std::uint32_t>(volume.blocks().size());
+  if (slots > kMaxSlots)
+    throw DeviceError(DeviceErrorCode::OutOfMemory, "The volume has too many blocks for one mesh; make volume.voxel_size larger.");
+  Kernels& kernels = kernels_[volume.chunks()];
+  if (!kernels.count) {
+    kernels.count = Kernel(device_, shaderCode("extract_count"), kExtractCountBindings, sizeof(ExtractCountParams), {volume.chunks()});
+    kernels.emit = Kernel(device_, shaderCode("extract_emit"), kExtractEmitBindings, sizeof(ExtractEmitParams), {volume.chunks()});
+  }
+  Work work{volume, kernels, min_weight, Recorder(device_),
+            Buffer(device_, sizeof(ExtractCount) * kCountBatch, Memory::Readback),
+            Buffer(device_, sizeof(ExtractBlock) * kCountBatch, Memory::Upload),
+            Buffer(device_, sizeof(ExtractVertex) * kVertices, Memory::Readback),
+            Buffer(device_, 12ull * kTriangles, Memory::Readback)};
+  std::vector<ExtractBlock> listed;
+  std::uint32_t vertices = 0, triangles = 0;
+  const auto flush = [&] {
+    if (listed.empty()) return;
+    emit(work, listed);
+    take({listed, work.vertices.as<ExtractVertex>().first(vertices), work.triangles.as<std::uint32_t>().first(3ull * triangles)});
+    listed.clear();
+    vertices = triangles = 0;
+  };
+  for (std::uint32_t first = 1; first < slots; first += kCountBatch) {
+    const std::uint32_t blocks = std::min(kCountBatch, slots - first);
+    count(work, first, blocks);
+    for (std::uint32_t i = 0; i < blocks; ++i) {
+      const ExtractCount counted = work.counts.as<ExtractCount>()[i];
+      if (counted.vertices == 0 && counted.triangles == 0) continue;
+      if (vertices + counted.vertices > kVertices || triangles + counted.triangles > kTriangles) flush();
+      listed.push_back({first + i, vertices, triangles, 0});
+      vertices += counted.vertices;
+      triangles += counted.triangles;
+    }
+    flush();
+  }
+}
+
+}  // namespace rosefusion

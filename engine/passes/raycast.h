@@ -1,0 +1,43 @@
+// Pass raycast: the surface that a camera sees, as points, normals and a shaded picture.
+#pragma once
+#include <map>
+#include <span>
+
+#include "engine/volume.h"
+#include "shaders/compute/interface/camera.h"
+#include "shaders/compute/interface/raycast.h"
+#include "shaders/compute/interface/raycast_range.h"
+
+namespace rosefusion {
+
+/// From where to look, and how far: depths along the optical axis, metres.
+struct RaycastView {
+  glm::mat4 world_from_camera{1};
+  float near = 0.05f;
+  float far = 8.0f;
+  bool colour = true;  ///< paint the preview in the volume's colours, where it has any
+};
+
+/// One camera for life. Holds the last view's images.
+class RaycastPass {
+ public:
+  RaycastPass(Device& device, const shader::CameraIntrinsics& camera);
+
+  void record(Recorder& recorder, const Volume& volume, const RaycastView& view);
+
+  const Buffer& vertices() const { return vertices_; }  ///< vec4 per pixel, world frame, w = 1 where a surface was hit
+  const Buffer& normals() const { return normals_; }    ///< vec4 per pixel, world frame, towards free space
+  /// After the submit: one word 0xAABBGGRR per pixel (red in the low byte, alpha 255), sRGB.
+  std::span<const std::uint32_t> preview() const { return preview_.as<std::uint32_t>(); }
+
+ private:
+  Device& device_;
+  shader::CameraIntrinsics camera_;
+  struct Kernels {
+    Kernel range, cast;
+  };
+  std::map<std::uint32_t, Kernels> kernels_;  ///< by number of pool chunks
+  Buffer tiles_, solid_, vertices_, normals_, preview_;
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,217 @@
+#include "host/export/ply_reader.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+
+#include "host/error.h"
+
+namespace rosefusion {
+namespace {
+
+enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble, kUnknown };
+
+struct Property {
+  std::string name;
+  Type type = Type::kUnknown;
+  Type count_type = Type::kUnknown;  // of a list; kUnknown: a single value
+};
+
+struct Element {
+  std::string name;
+  std::size_t count = 0;
+  std::vector<Property> properties;
+};
+
+Type typeNamed(const std::string& name) {
+  const char* names[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
+                            {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
+                            {"float", "float32"}, {"double", "float64"}};
+  for (int i = 0; i < 8; ++i)
+    if (name == names[i][0] || name == names[i][1]) return static_cast<Type>(i);
+  return Type::kUnknown;
+}
+
+class PlyReader {
+ public:
+  explicit PlyReader(const std::filesystem::path& file) : name_(file.string()) {
+    std::ifstream in(file, std::ios::binary);
+    if (!in) throw InputError(name_ + ": cannot be opened; check the name and its permissions.");
+    bytes_.assign(std::istreambuf_iterator<char>(in), {});
+  }
+
+  TriangleMesh read() {
+    readHeader();
+    for (const Element& element : elements_) {
+      if (element.name == "vertex")
+        readVertices(element);
+      else if (element.name == "face")
+        readFaces(element);
+      else
+        for (std::size_t i = 0; i < element.count; ++i)
+          for (const Property& p : element.properties) readProperty(p);
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  [[noreturn]] void damaged(const std::string& why) const {
+    throw InputError(name_ + ": the PLY file is damaged (" + why + "); export or download it again.");
+  }
+
+  std::string headerLine() {
+    const std::size_t end = bytes_.find('\n', at_);
+    if (end == std::string::npos) damaged("its header does not end");
+    std::string line = bytes_.substr(at_, end - at_);
+    at_ = end + 1;
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    return line;
+  }
+
+  void readHeader() {
+    if (headerLine() != "ply") damaged("it does not start with 'ply'");
+    for (std::string line = headerLine(); line != "end_header"; line = headerLine()) {
+      std::istringstream words(line);
+      std::string word, second;
+      words >> word >> second;
+      if (word == "format") {
+        if (second != "ascii" && second != "binary_little_endian" && second != "binary_big_endian")
+          damaged("its format is unknown");
+        text_ = second == "ascii";
+        swap_ = second ==
+                (std::endian::native == std::endian::little ? "binary_big_endian" : "binary_little_endian");
+      } else if (word == "element") {
+        elements_.push_back({second, 0, {}});
+        // Each entry takes at least a byte, so that a larger count is damage, not a reason to reserve memory.
+        if (!(words >> elements_.back().count) || elements_.back().count > bytes_.size())
+          damaged("it names more entries than it can hold");
+      } else if (word == "property" && !elements_.empty()) {
+        Property p;
+        if (second == "list") {
+          std::string count_type;
+          words >> count_type >> second;
+          p.count_type = typeNamed(count_type);
+          if (p.count_type == Type::kUnknown) damaged("a property has an unknown type");
+        }
+        p.type = typeNamed(second);
+        words >> p.name;
+        if (p.type == Type::kUnknown) damaged("a property has an unknown type");
+        elements_.back().properties.push_back(p);
+      }
+    }
+  }
+
+  template <typename Value>
+  double binaryValue() {
+    char raw[sizeof(Value)];
+    if (bytes_.size() - at_ < sizeof(Value)) damaged("it ends too early");
+    std::memcpy(raw, bytes_.data() + at_, sizeof(Value));
+    at_ += sizeof(Value);
+    if (swap_) std::reverse(raw, raw + sizeof(Value));
+    Value value;
+    std::memcpy(&value, raw, sizeof(Value));
+    return static_cast<double>(value);
+  }
+
+  double readValue(Type type) {
+    if (text_) {
+      char* end = nullptr;
+      const double value = std::strtod(bytes_.c_str() + at_, &end);
+      const auto next = static_cast<std::size_t>(end - bytes_.c_str());
+      if (next == at_) damaged("it ends too early or holds something that is no number");
+      at_ = next;
+      return value;
+    }
+    switch (type) {
+      case Type::kInt8:
+        return binaryValue<std::int8_t>();
+      case Type::kUint8:
+        return binaryValue<std::uint8_t>();
+      case Type::kInt16:
+        return binaryValue<std::int16_t>();
+      case Type::kUint16:
+        return binaryValue<std::uint16_t>();
+      case Type::kInt32:
+        return binaryValue<std::int32_t>();
+      case Type::kUint32:
+        return binaryValue<std::uint32_t>();
+      case Type::kFloat:
+        return binaryValue<float>();
+      default:
+        return binaryValue<double>();
+    }
+  }
+
+  /// A single value, or a list into list_.
+  double readProperty(const Property& p) {
+    if (p.count_type == Type::kUnknown) return readValue(p.type);
+    const double count = readValue(p.count_type);
+    if (!(count >= 0) || count > static_cast<double>(bytes_.size()))
+      damaged("a list has an impossible length");
+    list_.clear();
+    for (int i = 0; i < static_cast<int>(count); ++i) list_.push_back(readValue(p.type));
+    return 0;
+  }
+
+  void readVertices(const Element& element) {
+    const char* names[] = {"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"};
+    std::vector<int> slot;
+    int found[9] = {};
+    double colour_scale = 1;
+    for (const Property& p : element.properties) {
+      const auto name = std::find(names, names + 9, p.name);
+      slot.push_back(name == names + 9 ? 9 : static_cast<int>(name - names));
+      if (slot.back() < 9) ++found[slot.back()];
+      if (p.name == "red" && (p.type == Type::kFloat || p.type == Type::kDouble)) colour_scale = 255;
+    }
+    if (!found[0] || !found[1] || !found[2]) damaged("its vertices have no x, y and z");
+    for (std::size_t i = 0; i < element.count; ++i) {
+      double v[10];
+      for (std::size_t p = 0; p < slot.size(); ++p) v[slot[p]] = readProperty(element.properties[p]);
+      mesh_.vertices.emplace_back(Eigen::Vector3d(v[0], v[1], v[2]).cast<float>());
+      if (found[3] && found[4] && found[5])
+        mesh_.normals.emplace_back(Eigen::Vector3d(v[3], v[4], v[5]).cast<float>());
+      if (!found[6] || !found[7] || !found[8]) continue;
+      mesh_.colours.push_back({});
+      for (int c = 0; c < 3; ++c)
+        mesh_.colours.back()[c] = static_cast<std::uint8_t>(std::clamp(v[6 + c] * colour_scale, 0.0, 255.0));
+    }
+  }
+
+  void readFaces(const Element& element) {
+    const auto count = static_cast<double>(mesh_.vertices.size());
+    for (std::size_t i = 0; i < element.count; ++i)
+      for (const Property& p : element.properties) {
+        readProperty(p);
+        if (p.name != "vertex_indices" && p.name != "vertex_index") continue;
+        if (!std::all_of(list_.begin(), list_.end(),
+                         [&](double index) { return index >= 0 && index < count; }))
+          damaged("a face names a vertex that is not there");
+        for (std::size_t k = 2; k < list_.size(); ++k)
+          mesh_.triangles.push_back({static_cast<std::uint32_t>(list_[0]),
+                                     static_cast<std::uint32_t>(list_[k - 1]),
+                                     static_cast<std::uint32_t>(list_[k])});
+      }
+  }
+
+  std::string name_, bytes_;
+  std::size_t at_ = 0;
+  bool text_ = true, swap_ = false;
+  std::vector<Element> elements_;
+  std::vector<double> list_;
+  TriangleMesh mesh_;
+};
+
+}  // namespace
+
+TriangleMesh readPly(const std::filesystem::path& file) {
+  return PlyReader(file).read();
+}
+
+}  // namespace rosefusion

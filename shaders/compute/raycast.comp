@@ -1,0 +1,168 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Follows one ray per pixel to the first place where the TSDF falls from observed free space through zero. Blocks
+// without a negative voxel are crossed in one step, the others in steps of the distance they store.
+#include "shaders/compute/interface/raycast.h"
+#include "shaders/compute/interface/raycast_range.h"
+
+#define VOLUME_ACCESS readonly
+#define VOLUME_LAYOUT kRaycastBindLayout
+#define VOLUME_TABLE kRaycastBindTable
+#define VOLUME_TSDF kRaycastBindTsdf
+#define VOLUME_WEIGHT kRaycastBindWeight
+#define VOLUME_COLOUR kRaycastBindColour
+#include "shaders/compute/lib/volume.glsl"
+#include "shaders/compute/lib/interpolate.glsl"
+#include "shaders/compute/lib/shade.glsl"
+
+layout(local_size_x = kRaycastGroup, local_size_y = kRaycastGroup) in;
+layout(push_constant) uniform Push { RaycastParams params; };
+layout(std430, binding = kRaycastBindVertices) writeonly restrict buffer Vertices { vec4 vertices[]; };
+layout(std430, binding = kRaycastBindNormals) writeonly restrict buffer Normals { vec4 normals[]; };
+layout(std430, binding = kRaycastBindPreview) writeonly restrict buffer Preview { uint preview[]; };
+layout(std430, binding = kRaycastBindTiles) readonly restrict buffer Tiles { RaycastTile tiles[]; };
+layout(std430, binding = kRaycastBindSolid) readonly restrict buffer Solid { uint solid[]; };
+
+const float kStepShare = 0.8;   // of the stored distance, which a slanted view makes too long
+const float kPastExit = 0.01;   // voxels behind a skipped block's face, against rounding
+const float kBeforeExit = 0.5;  // voxels before it: the sample that stands for the block
+const int kMaxCandidates = 8;   // sign changes looked at per ray
+const float kLeastSlope = -1e-3;  // TSDF per voxel along the ray; keeps Newton steps finite
+const int kMaxSteps = 5;          // of Newton's method
+const float kMaxResidual = 0.5;  // voxels; a larger TSDF at its end means the ray passes by
+
+// A ray in voxels from the table's corner; `t` counts voxels.
+struct Ray {
+  vec3 origin;
+  vec3 direction;  // unit length
+  vec3 inverse;
+};
+
+vec3 at(Ray ray, float t) { return ray.origin + t * ray.direction; }
+
+// Part of the ray inside the table, its border left out.
+vec2 insideTable(Ray ray) {
+  vec3 a = (float(kBlockSide) - ray.origin) * ray.inverse;
+  vec3 b = (vec3((volume.table_size.xyz - 1) * kBlockSide) - ray.origin) * ray.inverse;
+  vec3 enter = min(a, b), leave = max(a, b);
+  return vec2(max(max(enter.x, enter.y), enter.z), min(min(leave.x, leave.y), leave.z));
+}
+
+float blockExit(Ray ray, ivec3 entry) {
+  vec3 face = vec3(entry * kBlockSide) + mix(vec3(0.0), vec3(kBlockSide), greaterThan(ray.direction, vec3(0.0)));
+  vec3 leave = (face - ray.origin) * ray.inverse;
+  return min(min(leave.x, leave.y), leave.z);
+}
+
+uint solidAt(ivec3 entry) { return solid[(entry.z * volume.table_size.y + entry.y) * volume.table_size.x + entry.x]; }
+
+// False when a voxel of the cell was never observed. Only +1 can be such a voxel.
+bool wellObserved(Cell cell) {
+  vec4 most = max(cell.low, cell.high);
+  bool suspect = max(max(most.x, most.y), max(most.z, most.w)) >= 1.0;
+  bool observed = true;
+  // A loop and not an `if`: where no ray of a vector needs it, it is skipped.
+  for (int corner = 0; suspect && corner < 8; ++corner) {
+    ivec3 voxel = cell.voxel + (ivec3(corner) >> ivec3(0, 1, 2) & 1);
+    observed = observed && weightInBlock(slotAt(voxel >> 3), localIndex(voxel)) > 0.0;
+  }
+  return observed;
+}
+
+struct Hit {
+  float t;  // negative: none
+  vec3 gradient;
+};
+
+// First hit in [begin, end].
+Hit firstHit(Ray ray, float begin, float end) {
+  float band = volume.scale.z * volume.scale.y;  // truncation in voxels
+  Hit hit = Hit(-1.0, vec3(0.0));
+  float t = begin, front_t = begin;
+  bool front = false;  // the last sample, at front_t, was positive
+  for (int candidate = 0; candidate < kMaxCandidates && hit.t < 0.0 && t < end; ++candidate) {
+    float value = 1.0;
+    while (t < end) {
+      ivec3 voxel = ivec3(at(ray, t));
+      ivec3 entry = voxel >> 3;
+      uint slot = solidAt(clampToTable(entry));
+      value = tsdfInBlock(slot, localIndex(voxel));
+      if (value < 0.0 && front) break;
+      float leave = blockExit(ray, entry);
+      front = value >= 0.0;
+      front_t = slot == 0u ? leave - kBeforeExit : t;
+      t = slot == 0u ? max(leave + kPastExit, t + kPastExit) : t + max(abs(value) * band * kStepShare, 1.0);
+    }
+    if (t >= end) break;
+    ivec3 voxel = ivec3(at(ray, front_t));
+    uint slot = slotAt(voxel >> 3);
+    float front_value = tsdfInBlock(slot, localIndex(voxel));
+    bool observed = front_value < 1.0 || weightInBlock(slot, localIndex(voxel)) > 0.0;
+    // Newton's method from where a straight line through the two samples is zero, kept between their ends, until the
+    // rest is small; the last step takes its value from the same 27 voxels as the normal.
+    float ahead = front_t - 1.0, behind = t + 1.0;
+    float guess = mix(front_t, t, front_value / (front_value - value));
+    Cell cell;
+    bool near_enough = false;
+    for (int i = 0; i < kMaxSteps && !near_enough; ++i) {
+      cell = cellAt(at(ray, guess));
+      vec4 field = trilinear(cell);
+      near_enough = abs(field.w) * band < kMaxResidual;
+      if (field.w > 0.0) ahead = guess;
+      else behind = guess;
+      float next = guess - field.w / min(dot(field.xyz, ray.direction), kLeastSlope);
+      guess = next >= ahead && next <= behind ? next : 0.5 * (ahead + behind);
+    }
+    Neighbourhood near = neighbourhoodOf(at(ray, guess));
+    float correction = near.value / min(dot(near.gradient, ray.direction), kLeastSlope);
+    if (!observed || !wellObserved(cell)) front = false;
+    else if (abs(near.value) * band < kMaxResidual) hit = Hit(guess - clamp(correction, -0.5, 0.5), near.gradient);
+    t += 1.0;
+  }
+  return hit;
+}
+
+// Colour of the voxels around a position, as far as they have one.
+vec3 colourAt(vec3 position) {
+  vec3 corner = floor(position - 0.5), fraction = position - 0.5 - corner, sum = vec3(0.0);
+  float total = 0.0;
+  int corners = params.size.z != 0 ? 8 : 0;
+  for (int i = 0; i < corners; ++i) {
+    ivec3 offset = ivec3(i) >> ivec3(0, 1, 2) & 1, voxel = ivec3(corner) + offset;
+    uint slot = slotAt(voxel >> 3);
+    uint word = colourWord(chunkOf(slot), slotInChunk(slot) * kBlockColourWords + localIndex(voxel));
+    vec3 share = mix(1.0 - fraction, fraction, vec3(offset));
+    float weight = word >> 24 > 0u ? share.x * share.y * share.z : 0.0;
+    sum += weight * unpackUnorm4x8(word).xyz;
+    total += weight;
+  }
+  return total > 0.0 ? sum / total : kClay;
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (pixel.x >= params.size.x || pixel.y >= params.size.y) return;
+  vec3 camera_ray = vec3((vec2(pixel) - params.focal_centre.zw) / params.focal_centre.xy, 1.0);
+  Ray ray;
+  ray.origin = params.world_from_camera[3].xyz * volume.scale.y - vec3(volume.table_origin.xyz * kBlockSide);
+  ray.direction = normalize(mat3(params.world_from_camera) * camera_ray);
+  ray.inverse = 1.0 / mix(ray.direction, vec3(1e-9), lessThan(abs(ray.direction), vec3(1e-9)));
+  float voxels_per_depth = length(camera_ray) * volume.scale.y;
+  RaycastTile tile = tiles[(pixel.y / kRaycastTile) * params.size.w + pixel.x / kRaycastTile];
+  vec2 depths = tile.nearest == kEmptyTile ? vec2(0.0) : uintBitsToFloat(uvec2(tile.nearest, ~tile.farthest_complement));
+  vec2 span = insideTable(ray);
+  Hit hit = firstHit(ray, max(span.x, depths.x * voxels_per_depth), min(span.y, depths.y * voxels_per_depth));
+
+  vec4 vertex = vec4(0.0), normal = vec4(0.0);
+  vec3 shaded = backgroundColour(float(pixel.y) / float(params.size.y));
+  if (hit.t > 0.0) {
+    vec3 position = at(ray, hit.t);
+    vertex = vec4((position + vec3(volume.table_origin.xyz * kBlockSide)) * volume.scale.x, 1.0);
+    normal = vec4(normalize(hit.gradient), 1.0);
+    shaded = shadedColour(colourAt(position), normal.xyz, ray.direction);
+  }
+  uint index = uint(pixel.y * params.size.x + pixel.x);
+  vertices[index] = vertex;
+  normals[index] = normal;
+  preview[index] = packUnorm4x8(vec4(shaded, 1.0));
+}

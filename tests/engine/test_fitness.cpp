@@ -1,0 +1,179 @@
+// Passes fitness and fitness_reduce against their reference.
+#include <random>
+
+#include "engine/passes/fitness.h"
+#include "tests/engine/scene_run.h"
+#include "tests/engine/validating_device.h"
+#include "tests/reference/fitness.h"
+#include "tests/reference/select_points.h"
+
+namespace rosefusion::testing {
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+constexpr VolumeOptions kVolume{.voxel_size = 0.04f, .truncation = 0.12f};
+constexpr int kParticles = 200;  // two templates of 100; not a multiple of the workgroup
+// Particles whose range, from points on a voxel's face, is wider than 2e-3.
+constexpr double kWideShare = 0.02;
+constexpr PixelGrid kGrid{5, 2, 3};
+
+/// What the reference is given; the defaults are what the engine gets.
+struct Swarm {
+  Pose centre = Pose::Identity();
+  Vector6 lengths = Vector6::Constant(0.2);
+  Loss loss = Loss::Squared;
+  int first = 0, count = kParticles;
+};
+
+class Fitness : public ValidatingDevice {
+ protected:
+  void SetUp() override {
+    ValidatingDevice::SetUp();
+    if (HasFatalFailure()) return;
+    run_.emplace(device(), makeSequence(kOddCamera, 3, 51), kVolume);
+    run_->fuseAll();
+    contents_ = run_->volume.download();
+    reference_contents_ = inReferenceTypes(contents_);
+    points_.emplace(device(), onDevice(kOddCamera));
+    points_->record(run_->recorder, run_->preprocess, kGrid, nullptr);
+    run_->recorder.submit();
+    const auto selection = selectPoints(run_->referenceImage(2), kOddCamera, kGrid.stride, kGrid.offset_x,
+                                        kGrid.offset_y, nullptr);
+    for (const auto& candidate : selection.points) reference_points_.push_back(candidate.point);
+    swarm_.centre = run_->sequence.poses[2];
+    // Axis lengths as in a first iteration; float values, so that both sides multiply the same numbers.
+    for (int i = 0; i < 6; ++i) swarm_.lengths[i] = static_cast<float>(0.08 + 0.03 * i);
+
+    std::mt19937 random(52);
+    for (int i = 0; i < kParticles; ++i) {
+      Vector6 entry = Vector6::Zero();  // particle 0 stays
+      if (i > 0)
+        for (int k = 0; k < 6; ++k) entry[k] = static_cast<float>(random() / 2147483648.0 - 1);
+      if (i > 0) entry *= 0.5 + 0.5 / entry.norm();
+      entry = entry.cast<float>().cast<double>();
+      entries_.push_back(entry);
+      templates_.emplace_back(entry[0], entry[1], entry[2], 0);
+      templates_.emplace_back(entry[3], entry[4], entry[5], 0);
+    }
+  }
+
+  std::vector<float> losses(const Swarm& swarm, std::uint32_t slices, bool compensate = true) {
+    FitnessPass pass(device(), templates_, swarm.loss, compensate, slices);
+    const auto& l = swarm.lengths;
+    pass.record(run_->recorder, run_->volume, *points_,
+                {onDevice(swarm.centre), glm::vec4(l[0], l[1], l[2], 0), glm::vec4(l[3], l[4], l[5], 0),
+                 std::uint32_t(swarm.first), std::uint32_t(swarm.count)});
+    run_->recorder.submit();
+    return {pass.losses().begin(), pass.losses().end()};
+  }
+
+  std::vector<reference::LossRange> expected(const Swarm& swarm,
+                                             double voxel_size = kVolume.voxel_size) const {
+    const reference::VoxelValues values(reference_contents_.blocks, reference_contents_.tsdf, voxel_size);
+    const auto kind =
+        swarm.loss == Loss::Squared ? reference::LossKind::Squared : reference::LossKind::Absolute;
+    std::vector<reference::LossRange> ranges;
+    for (int i = swarm.first; i < swarm.first + swarm.count; ++i)
+      ranges.push_back(meanLoss(values, reference_points_,
+                                reference::particlePose(swarm.centre, entries_[i], swarm.lengths), kind));
+    return ranges;
+  }
+
+  std::optional<SceneRun> run_;
+  std::optional<SelectPointsPass> points_;
+  VolumeContents contents_;
+  reference::TsdfContents reference_contents_;
+  std::vector<Eigen::Vector3d> reference_points_;
+  std::vector<Vector6> entries_;
+  std::vector<glm::vec4> templates_;
+  Swarm swarm_;
+};
+
+TEST_F(Fitness, AgreesWithTheReferenceForBothLossesAndAnySlices) {
+  ASSERT_GT(reference_points_.size(), 600u);
+  for (const Loss loss : {Loss::Squared, Loss::Absolute}) {
+    swarm_.loss = loss;
+    const auto ranges = expected(swarm_);
+    for (const std::uint32_t slices : {0u, 1u, 2u, 7u, 64u}) {
+      SCOPED_TRACE(std::to_string(slices) + " slices");
+      EXPECT_TRUE(agrees(compare(ranges, losses(swarm_, slices)), kWideShare));
+    }
+    // The particles differ, and the one that stays is the best: its frame is in the model.
+    EXPECT_LT(ranges[0].high, 0.2 * ranges[1].low);
+  }
+}
+
+TEST_F(Fitness, APartOfTheTemplatesIsReadFromItsFirstParticle) {
+  swarm_.first = 70;
+  swarm_.count = 65;
+  EXPECT_TRUE(agrees(compare(expected(swarm_), losses(swarm_, 1)), kWideShare));
+  EXPECT_TRUE(agrees(compare(expected(swarm_), losses(swarm_, 3)), kWideShare));
+  swarm_.first = 150;
+  EXPECT_TRUE(
+      throwsDeviceError([&] { losses(swarm_, 1); }, DeviceErrorCode::Programming, {"past the templates"}));
+}
+
+TEST_F(Fitness, RotationsBeyondHalfATurnStopThere) {
+  swarm_.lengths.tail<3>().setConstant(3);
+  EXPECT_TRUE(agrees(compare(expected(swarm_), losses(swarm_, 1)), kWideShare));
+}
+
+TEST_F(Fitness, ComparisonSeesAWrongCoefficient) {
+  const auto measured = losses(swarm_, 1);
+  EXPECT_TRUE(agrees(compare(expected(swarm_), measured), kWideShare));
+  EXPECT_TRUE(differs(compare(expected(swarm_, kVolume.voxel_size * 1.002), measured)));
+  for (int axis = 0; axis < 6; ++axis) {
+    Swarm wrong = swarm_;
+    wrong.lengths[axis] *= 1.01;
+    EXPECT_TRUE(differs(compare(expected(wrong), measured))) << "axis " << axis;
+  }
+  Swarm wrong = swarm_;
+  wrong.loss = Loss::Absolute;
+  EXPECT_TRUE(differs(compare(expected(wrong), measured)));
+  wrong = swarm_;
+  wrong.centre.translation().y() += 0.001;
+  EXPECT_TRUE(differs(compare(expected(wrong), measured)));
+  wrong = swarm_;
+  wrong.centre.rotate(Eigen::AngleAxisd(0.001, Eigen::Vector3d::UnitX()));
+  EXPECT_TRUE(differs(compare(expected(wrong), measured)));
+  reference_points_.pop_back();  // the normalisation
+  EXPECT_TRUE(differs(compare(expected(swarm_), measured)));
+}
+
+TEST_F(Fitness, UnobservedSpaceAndSpaceOutsideTheTableReadAsOne) {
+  // Looking from far away, in every direction and through the table, at nothing that was ever seen.
+  for (const Eigen::Vector3d& away :
+       {Eigen::Vector3d(100, 0, 0), Eigen::Vector3d(-1e4, 0, 0), Eigen::Vector3d(0, 1e6, 0),
+        Eigen::Vector3d(0, -30, 0), Eigen::Vector3d(0, 0, 1e7), Eigen::Vector3d(0, 0, -20)}) {
+    swarm_.centre.translation() = away;
+    for (const float loss : losses(swarm_, 1)) ASSERT_EQ(loss, 1.0f);
+  }
+  // Half in the model and half out of it is between.
+  swarm_.centre = run_->sequence.poses[2];
+  swarm_.centre.translation().x() += 1;
+  const auto measured = losses(swarm_, 1);
+  EXPECT_TRUE(agrees(compare(expected(swarm_), measured), kWideShare));
+  EXPECT_LT(measured[0], 1);
+  EXPECT_GT(measured[0], 0.3);
+}
+
+TEST_F(Fitness, AnEmptyVolumeReadsAsOne) {
+  Volume empty(device(), kVolume);
+  FitnessPass pass(device(), templates_, Loss::Squared);
+  pass.record(run_->recorder, empty, *points_, {.particles = kParticles});
+  run_->recorder.submit();
+  for (const float loss : pass.losses()) ASSERT_EQ(loss, 1.0f);
+}
+
+TEST_F(Fitness, WithoutPointsThereIsNoLoss) {
+  const std::vector<std::uint16_t> nothing(run_->sequence.images[0].depth.size(), 0);
+  run_->preprocess.record(run_->recorder, nothing, 0.001f, 0.1f, 5.0f);
+  points_->record(run_->recorder, run_->preprocess, kGrid, nullptr);
+  run_->recorder.submit();
+  for (const std::uint32_t slices : {1u, 5u})
+    for (const float loss : losses(swarm_, slices)) ASSERT_LT(loss, 0);
+}
+
+}  // namespace
+}  // namespace rosefusion::testing

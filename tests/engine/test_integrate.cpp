@@ -1,0 +1,172 @@
+// Pass integrate against a double-precision TSDF without quantisation.
+#include "tests/engine/scene_run.h"
+#include "tests/engine/validating_device.h"
+
+namespace rosefusion::testing {
+namespace {
+
+// The cap is reached by most voxels within the 8 frames, so that both the mean and its capped form are
+// compared.
+constexpr VolumeOptions kVolume{.voxel_size = 0.04f, .truncation = 0.12f, .max_weight = 5, .colour = true};
+constexpr int kFrames = 8;
+// Voxels within rounding of the line between two pixels, added up over the frames.
+constexpr double kSkippedShare = 0.02;
+
+struct Wrong {
+  double voxel_size = 1, truncation = 1, max_weight = 1, focal = 1, centre = 0, shift = 0, turn = 0;
+};
+
+class Integrate : public ValidatingDevice, public ::testing::WithParamInterface<Intrinsics> {
+ protected:
+  void SetUp() override {
+    ValidatingDevice::SetUp();
+    if (HasFatalFailure()) return;
+    run_.emplace(device(), makeSequence(GetParam(), kFrames, 31), kVolume);
+    for (int i = 0; i < kFrames; ++i) {
+      run_->fuse(i);
+      allocated_.push_back(blocksOf(run_->volume));
+    }
+    contents_ = run_->volume.download();
+  }
+
+  reference::TsdfMap referenceMap(const Wrong& wrong = {}) const {
+    reference::TsdfMap map({.voxel_size = kVolume.voxel_size * wrong.voxel_size,
+                            .truncation = kVolume.truncation * wrong.truncation,
+                            .max_weight = kVolume.max_weight * wrong.max_weight});
+    Intrinsics camera = GetParam();
+    camera.fx *= wrong.focal;
+    camera.cy += wrong.centre;
+    for (int i = 0; i < kFrames; ++i) {
+      Pose pose = run_->sequence.poses[i];
+      pose.translation().z() += wrong.shift;
+      pose.rotate(Eigen::AngleAxisd(wrong.turn, Eigen::Vector3d::UnitY()));
+      map.integrate(allocated_[i], run_->referenceImage(i), run_->sequence.images[i].rgb, camera, pose);
+    }
+    return map;
+  }
+  reference::Comparison compareWith(const Wrong& wrong) const {
+    return compare(referenceMap(wrong), inReferenceTypes(contents_));
+  }
+
+  std::optional<SceneRun> run_;
+  std::vector<std::vector<reference::Block>> allocated_;
+  VolumeContents contents_;
+};
+
+TEST_P(Integrate, AgreesWithTheReference) {
+  const reference::TsdfMap map = referenceMap();
+  const auto contents = inReferenceTypes(contents_);
+  const auto tsdf = compare(map, contents), colour = compareColour(map, contents);
+  EXPECT_TRUE(agrees(tsdf, kSkippedShare));
+  EXPECT_TRUE(agrees(colour, kSkippedShare));
+  EXPECT_GT(tsdf.compared, 50000u);
+
+  // The scene holds what the pass has to tell apart.
+  std::size_t carved = 0, behind = 0, capped = 0, coloured = 0, untouched = 0;
+  for (const auto& [block, voxels] : map.blocks())
+    for (const auto& voxel : voxels) {
+      untouched += voxel.updates == 0;
+      carved += voxel.updates > 0 && voxel.tsdf == 1;
+      behind += voxel.tsdf < 0;
+      capped += voxel.updates > kVolume.max_weight;
+      coloured += voxel.colour_updates > 0;
+    }
+  for (const std::size_t count : {carved, behind, capped, coloured, untouched}) EXPECT_GT(count, 2000u);
+}
+
+TEST_P(Integrate, ComparisonSeesAWrongCoefficient) {
+  EXPECT_TRUE(agrees(compareWith({}), kSkippedShare));
+  EXPECT_TRUE(differs(compareWith({.voxel_size = 1.002})));
+  EXPECT_TRUE(differs(compareWith({.truncation = 1.01})));
+  EXPECT_TRUE(differs(compareWith({.max_weight = 1.2})));
+  EXPECT_TRUE(differs(compareWith({.focal = 1.002})));
+  EXPECT_TRUE(differs(compareWith({.centre = 0.1})));
+  EXPECT_TRUE(differs(compareWith({.shift = 0.001})));
+  EXPECT_TRUE(differs(compareWith({.turn = 0.001})));
+}
+
+TEST_P(Integrate, ComparisonSeesWrongColours) {
+  reference::TsdfMap map(
+      {.voxel_size = kVolume.voxel_size, .truncation = kVolume.truncation, .max_weight = kVolume.max_weight});
+  for (int i = 0; i < kFrames; ++i) {
+    std::vector<std::uint32_t> swapped;  // red for blue
+    for (const std::uint32_t rgb : run_->sequence.images[i].rgb)
+      swapped.push_back((rgb & 0xFF00u) | rgb >> 16 | (rgb & 0xFFu) << 16);
+    map.integrate(allocated_[i], run_->referenceImage(i), swapped, GetParam(), run_->sequence.poses[i]);
+  }
+  EXPECT_TRUE(differs(compareColour(map, inReferenceTypes(contents_))));
+}
+
+INSTANTIATE_TEST_SUITE_P(Cameras, Integrate, kBothCameras, cameraName);
+
+class IntegrateRules : public ValidatingDevice {};
+
+TEST_F(IntegrateRules, WithoutColourTheTsdfIsTheSame) {
+  VolumeOptions plain = kVolume;
+  plain.colour = false;
+  const Sequence sequence = makeSequence(kPlainCamera, 2, 32);
+  SceneRun coloured(device(), sequence, kVolume), colourless(device(), sequence, plain);
+  for (SceneRun* run : {&coloured, &colourless}) run->fuseAll();
+  const VolumeContents a = coloured.volume.download(), b = colourless.volume.download();
+  EXPECT_EQ(a.tsdf, b.tsdf);
+  EXPECT_EQ(a.weight, b.weight);
+  EXPECT_TRUE(b.colour.empty());
+}
+
+TEST_F(IntegrateRules, ColourCanComeAndGo) {
+  SceneRun run(device(), makeSequence(kPlainCamera, 1, 33), kVolume);
+  run.preprocess.clearColour();
+  run.fuse(0);
+  run.preprocess.clearColour();
+  const auto before = run.volume.download();
+  run.integrateDepth(run.sequence.poses[0]);
+  const auto after = run.volume.download();
+  EXPECT_EQ(before.colour, after.colour);
+  EXPECT_NE(before.weight, after.weight);
+}
+
+TEST_F(IntegrateRules, BlocksBeyondFarAreLeftAlone) {
+  SceneRun run(device(), makeSequence(kPlainCamera, 1, 34), kVolume);
+  run.load(0);
+  run.allocateBlocks(run.sequence.poses[0]);
+  constexpr float kFar = 2.3f;
+  run.integrate.record(run.recorder, run.volume, run.preprocess, onDevice(kPlainCamera),
+                       onDevice(run.sequence.poses[0].inverse()), kFar);
+  run.recorder.submit();
+  const VolumeContents contents = run.volume.download();
+  const Pose camera_from_world = run.sequence.poses[0].inverse();
+  const double side = 8 * kVolume.voxel_size;
+  int near_blocks = 0, far_blocks = 0;
+  for (std::size_t slot = 1; slot < contents.blocks.size(); ++slot) {
+    const glm::ivec4& b = contents.blocks[slot];
+    const double z =
+        (camera_from_world * (side * (Eigen::Vector3d(b.x, b.y, b.z).array() + 0.5).matrix())).z();
+    const auto first = contents.weight.begin() + 512 * slot;
+    const bool touched = std::any_of(first, first + 512, [](float w) { return w > 0; });
+    if (z > kFar + side) {
+      EXPECT_FALSE(touched) << "block centre at " << z << " m";
+    }
+    if (z < kFar) near_blocks += touched;
+    far_blocks += z > kFar + side;
+  }
+  EXPECT_GT(near_blocks, 10);
+  EXPECT_GT(far_blocks, 10);
+}
+
+TEST_F(IntegrateRules, FewWorkgroupsPerRowGiveTheSameVolume) {
+  // A device that dispatches at most 7 workgroups along x gets rows of them, the last one not full.
+  DeviceOptions options = deviceUnderTest();
+  options.limits_at_most.max_workgroup_count_x = 7;
+  Device narrow(options);
+  const Sequence sequence = makeSequence(kPlainCamera, 1, 35);
+  // Only integrate dispatches groups; the others count threads, which a real device of any kind has enough
+  // of.
+  SceneRun wide_run(device(), sequence, kVolume), narrow_run(narrow, sequence, kVolume);
+  for (SceneRun* run : {&wide_run, &narrow_run}) run->fuseAll();
+  EXPECT_EQ(wide_run.volume.download().tsdf, narrow_run.volume.download().tsdf);
+  EXPECT_EQ(wide_run.volume.download().weight, narrow_run.volume.download().weight);
+  EXPECT_THAT(narrow.validationMessages(), ::testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace rosefusion::testing
