@@ -21,8 +21,8 @@ struct LanePoses {
   alignas(64) float translation[3][kLanes];
 };
 
-LanePoses posesOf(const NativeVolume& volume, std::span<const glm::vec4> templates, const SwarmPlacement& swarm,
-                  std::uint32_t first) {
+LanePoses posesOf(const NativeVolume& volume, std::span<const glm::vec4> templates,
+                  const SwarmPlacement& swarm, std::uint32_t first) {
   LanePoses out;
   const float scale = 1 / volume.voxel_size;
   for (int lane = 0; lane < kLanes; ++lane) {
@@ -33,8 +33,8 @@ LanePoses posesOf(const NativeVolume& volume, std::span<const glm::vec4> templat
     const glm::quat turn(std::sqrt(std::max(0.0f, 1 - square)), v.x, v.y, v.z);
     const glm::mat3 rotation = glm::mat3_cast(turn) * glm::mat3(swarm.world_from_camera) * scale;
     const glm::vec3 shift = glm::vec3(templates[entry]) * glm::vec3(swarm.translation_lengths);
-    const glm::vec3 translation = (glm::vec3(swarm.world_from_camera[3]) + shift) * scale -
-                                  glm::vec3(volume.table_origin * kBlockSide);
+    const glm::vec3 translation =
+        (glm::vec3(swarm.world_from_camera[3]) + shift) * scale - glm::vec3(volume.table_origin * kBlockSide);
     for (int i = 0; i < 9; ++i) out.rotation[i][lane] = rotation[i / 3][i % 3];
     for (int i = 0; i < 3; ++i) out.translation[i][lane] = translation[i];
   }
@@ -67,7 +67,8 @@ template <bool kSquared>
       const std::int32_t voxel = table[(vz >> 3) * plane + (vy >> 3) * row + (vx >> 3)] +
                                  (((vz & 7) << 6) | ((vy & 7) << 3) | (vx & 7));
       const std::int32_t word = tsdf[voxel >> 1];
-      const std::int32_t value = ((voxel & 1) ? word : static_cast<std::int32_t>(std::uint32_t(word) << 16)) >> 16;
+      const std::int32_t value =
+          ((voxel & 1) ? word : static_cast<std::int32_t>(std::uint32_t(word) << 16)) >> 16;
       const float psi = static_cast<float>(value) * (1.0f / 32767.0f);
       const float term = (kSquared ? psi * psi : std::fabs(psi)) - lost[k];
       const float total = sum[k] + term;
@@ -80,16 +81,17 @@ template <bool kSquared>
 
 using SumLosses = void (*)(const NativeVolume&, const LanePoses&, std::span<const glm::vec4>, float*);
 
-#define ROSEFUSION_VARIANT(NAME, ATTRIBUTES)                                                             \
-  template <bool kSquared>                                                                               \
-  ATTRIBUTES void NAME(const NativeVolume& volume, const LanePoses& poses, std::span<const glm::vec4> points, \
-                       float* losses) {                                                                  \
-    sumLosses<kSquared>(volume, poses, points, losses);                                                  \
+#define ROSEFUSION_VARIANT(NAME, ATTRIBUTES)                               \
+  template <bool kSquared>                                                 \
+  ATTRIBUTES void NAME(const NativeVolume& volume, const LanePoses& poses, \
+                       std::span<const glm::vec4> points, float* losses) { \
+    sumLosses<kSquared>(volume, poses, points, losses);                    \
   }
 ROSEFUSION_VARIANT(sumPlain, )
 #ifdef __x86_64__
 ROSEFUSION_VARIANT(sumAvx2, __attribute__((target("avx2,fma"))))
-ROSEFUSION_VARIANT(sumAvx512, __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw,fma,prefer-vector-width=512"))))
+ROSEFUSION_VARIANT(sumAvx512,
+                   __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw,fma,prefer-vector-width=512"))))
 #endif
 #undef ROSEFUSION_VARIANT
 
@@ -161,9 +163,12 @@ std::vector<float> nativeLosses(const NativeVolume& volume, std::span<const glm:
 
 std::string nativeInstructionSet() {
   switch (instructionSet()) {
-    case InstructionSet::kAvx512: return "AVX-512";
-    case InstructionSet::kAvx2: return "AVX2";
-    default: return "the compiler's default";
+    case InstructionSet::kAvx512:
+      return "AVX-512";
+    case InstructionSet::kAvx2:
+      return "AVX2";
+    default:
+      return "the compiler's default";
   }
 }
 

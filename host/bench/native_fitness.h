@@ -20,8 +20,9 @@ struct NativeVolume {
   float voxel_size = 0;
   glm::ivec3 table_origin{0};  ///< block coordinate of the first entry; a border of absent entries included
   glm::ivec3 table_size{0};
-  std::vector<std::int32_t> table;  ///< first voxel of the entry's block; 0, the unobserved block, where absent
-  std::vector<std::int32_t> tsdf;   ///< two voxels a word, the first in the low half; 32767 = one truncation
+  std::vector<std::int32_t>
+      table;  ///< first voxel of the entry's block; 0, the unobserved block, where absent
+  std::vector<std::int32_t> tsdf;  ///< two voxels a word, the first in the low half; 32767 = one truncation
 };
 
 /// Particles in vector lanes, Kahan-compensated, nearest voxel, spread over `threads` threads. `templates` as

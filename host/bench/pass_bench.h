@@ -1,7 +1,9 @@
 // Times the engine's passes on a generated sequence that is fused with its true poses.
 #pragma once
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,7 +46,8 @@ struct BenchReport {
   std::uint64_t volume_bytes = 0;
   int repeat = 0;
   FitnessFigures fitness;
-  PassTime preprocess, allocate, integrate;
+  PassTime preprocess, allocate, integrate, raycast, extract;
+  std::uint64_t triangles = 0;  ///< that extract gave
 };
 
 /// Largest |device - native| that a particle's mean loss over `points` points may show: positions are rounded
@@ -55,6 +58,9 @@ inline double lossTolerance(std::size_t points) {
 }
 /// The same for the mean over all particles: such lookups are rare.
 inline constexpr double kMeanLossTolerance = 1e-4;
+/// Largest difference. Throws std::runtime_error, naming the device, when a tolerance is passed.
+double requireAgreement(const std::string& device_name, std::span<const float> device,
+                        std::span<const float> native, std::size_t points);
 
 /// `progress` is told what is being measured. Throws std::runtime_error when the device's losses are not the
 /// native loop's, DeviceError and InputError as Pipeline does.

@@ -39,14 +39,19 @@ nlohmann::ordered_json benchJson(const BenchReport& r) {
     fitness["cpu_ratio"] = f.cpu_ratio;
     fitness["kahan_cost_cpu_percent"] = f.kahan_cost_cpu_percent;
   }
-  return {{"device", {{"name", r.device.name}, {"driver", r.device.driver}, {"type", toString(r.device.type)}}},
-          {"native", r.native},
-          {"repeat", r.repeat},
-          {"volume", {{"voxel_size_m", r.voxel_size}, {"blocks", r.blocks}, {"bytes", r.volume_bytes}}},
-          {"fitness", fitness},
-          {"preprocess", toJson(r.preprocess, cpu)},
-          {"allocate", toJson(r.allocate, cpu)},
-          {"integrate", toJson(r.integrate, cpu)}};
+  nlohmann::ordered_json extract = toJson(r.extract, cpu);
+  extract["triangles"] = r.triangles;
+  return {
+      {"device", {{"name", r.device.name}, {"driver", r.device.driver}, {"type", toString(r.device.type)}}},
+      {"native", r.native},
+      {"repeat", r.repeat},
+      {"volume", {{"voxel_size_m", r.voxel_size}, {"blocks", r.blocks}, {"bytes", r.volume_bytes}}},
+      {"fitness", fitness},
+      {"preprocess", toJson(r.preprocess, cpu)},
+      {"allocate", toJson(r.allocate, cpu)},
+      {"integrate", toJson(r.integrate, cpu)},
+      {"raycast", toJson(r.raycast, cpu)},
+      {"extract", extract}};
 }
 
 std::string benchTable(const BenchReport& r) {
@@ -58,6 +63,8 @@ std::string benchTable(const BenchReport& r) {
   out += line("preprocess", r.preprocess, cpu);
   out += line("allocate", r.allocate, cpu);
   out += line("integrate", r.integrate, cpu);
+  out += line("raycast", r.raycast, cpu);
+  out += line("extract", r.extract, cpu);
   out += line("fitness", "%9.2f ns per lookup", f.ns_per_lookup);
   out += line("  native", "%9.2f ns per lookup (%s)", f.native_ns_per_lookup, r.native.c_str());
   out += cpu ? line("  ratio", "%9.2f      (%.2f by CPU time)", f.ratio, f.cpu_ratio)
