@@ -1,0 +1,74 @@
+// Times the engine's passes on a generated sequence that is fused with its true poses.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/device.h"
+#include "host/settings.h"
+
+namespace rosefusion {
+
+struct BenchOptions {
+  Settings settings;
+  int frames = 24;  ///< of the generated sequence: 0.8 s of the paper's fast motion, 640 x 480
+  std::uint64_t seed = 1;
+  int repeat = 15;  ///< measurements of each figure; the median is reported
+};
+
+/// One measured pass. CPU time is of the whole process, so that on a CPU device it holds the pass's own work
+/// and, unlike wall time, hardly depends on what else the machine does.
+struct PassTime {
+  double ms = 0;
+  double cpu_ms = 0;
+};
+
+/// The fitness pass, all levels of one round of the swarm together, against nativeLosses on the same data.
+struct FitnessFigures {
+  double ns_per_lookup = 0;
+  double native_ns_per_lookup = 0;
+  double ratio = 0;      ///< median of the ratios of neighbouring measurements
+  double cpu_ratio = 0;  ///< the same by CPU time; meaningful for CPU devices
+  double kahan_cost_percent = 0;
+  double kahan_cost_cpu_percent = 0;
+  double worst_loss_difference = 0;  ///< largest |device - native| of all losses
+  std::uint64_t lookups = 0;         ///< of one measurement
+};
+
+struct BenchReport {
+  DeviceInfo device;
+  std::string native;  ///< instruction set and threads of the native loop
+  double voxel_size = 0;
+  std::uint32_t blocks = 0;
+  std::uint64_t volume_bytes = 0;
+  int repeat = 0;
+  FitnessFigures fitness;
+  PassTime preprocess, allocate, integrate, raycast, extract;
+  std::uint64_t triangles = 0;  ///< that extract gave
+};
+
+/// Largest |device - native| that a particle's mean loss over `points` points may show: positions are rounded
+/// differently, so that a few lookups next to a voxel's face read the neighbour, by at most 1 each in the
+/// loss.
+inline double lossTolerance(std::size_t points) {
+  return 4.0 / static_cast<double>(points) + 1e-5;
+}
+/// The same for the mean over all particles: such lookups are rare.
+inline constexpr double kMeanLossTolerance = 1e-4;
+/// Largest difference. Throws std::runtime_error, naming the device, when a tolerance is passed.
+double requireAgreement(const std::string& device_name, std::span<const float> device,
+                        std::span<const float> native, std::size_t points);
+
+/// `progress` is told what is being measured. Throws std::runtime_error when the device's losses are not the
+/// native loop's, DeviceError and InputError as Pipeline does.
+BenchReport benchPasses(Device& device, const BenchOptions& options,
+                        const std::function<void(const std::string&)>& progress = {});
+
+nlohmann::ordered_json benchJson(const BenchReport& report);
+/// A table for people.
+std::string benchTable(const BenchReport& report);
+
+}  // namespace rosefusion
