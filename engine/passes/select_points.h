@@ -29,8 +29,6 @@ class SelectPointsPass {
   /// After the submit: points selected, and valid pixels of the grid.
   std::uint32_t selected() const { return count_.as<std::uint32_t>()[0]; }
   std::uint32_t valid() const { return count_.as<std::uint32_t>()[1]; }
-  /// Pixels of the grid, valid or not.
-  std::uint32_t cells() const { return cells_; }
 
  private:
   Device& device_;

@@ -7,10 +7,14 @@
 
 #include "engine/reflection.h"
 #include "shaders/compute/interface/allocate.h"
+#include "shaders/compute/interface/extract_count.h"
+#include "shaders/compute/interface/extract_emit.h"
 #include "shaders/compute/interface/fitness.h"
 #include "shaders/compute/interface/fitness_reduce.h"
 #include "shaders/compute/interface/integrate.h"
 #include "shaders/compute/interface/preprocess.h"
+#include "shaders/compute/interface/raycast.h"
+#include "shaders/compute/interface/raycast_range.h"
 #include "shaders/compute/interface/select_points.h"
 #include "shaders/compute/interface/sum_check.h"
 #include "shaders/compute/interface/volume.h"
@@ -52,6 +56,22 @@ const std::map<std::string, ShaderStruct>& structsInCpp() {
       STRUCT(SelectParams, MEMBER(SelectParams, previous_from_current), MEMBER(SelectParams, focal_centre),
              MEMBER(SelectParams, size), MEMBER(SelectParams, grid)),
       STRUCT(SumCheckParams, MEMBER(SumCheckParams, first), MEMBER(SumCheckParams, count)),
+      STRUCT(RaycastParams, MEMBER(RaycastParams, world_from_camera), MEMBER(RaycastParams, focal_centre),
+             MEMBER(RaycastParams, size)),
+      STRUCT(RaycastRangeParams, MEMBER(RaycastRangeParams, camera_from_world),
+             MEMBER(RaycastRangeParams, focal_centre), MEMBER(RaycastRangeParams, size),
+             MEMBER(RaycastRangeParams, near), MEMBER(RaycastRangeParams, far)),
+      STRUCT(RaycastTile, MEMBER(RaycastTile, nearest), MEMBER(RaycastTile, farthest_complement)),
+      STRUCT(ExtractCountParams, MEMBER(ExtractCountParams, first_slot), MEMBER(ExtractCountParams, blocks),
+             MEMBER(ExtractCountParams, min_weight), MEMBER(ExtractCountParams, pad0)),
+      STRUCT(ExtractCount, MEMBER(ExtractCount, vertices), MEMBER(ExtractCount, triangles)),
+      STRUCT(ExtractEmitParams, MEMBER(ExtractEmitParams, blocks), MEMBER(ExtractEmitParams, min_weight),
+             MEMBER(ExtractEmitParams, colour), MEMBER(ExtractEmitParams, pad0)),
+      STRUCT(ExtractBlock, MEMBER(ExtractBlock, slot), MEMBER(ExtractBlock, first_vertex),
+             MEMBER(ExtractBlock, first_triangle), MEMBER(ExtractBlock, pad0)),
+      STRUCT(ExtractVertex, MEMBER(ExtractVertex, x), MEMBER(ExtractVertex, y), MEMBER(ExtractVertex, z),
+             MEMBER(ExtractVertex, edge), MEMBER(ExtractVertex, normal_x), MEMBER(ExtractVertex, normal_y),
+             MEMBER(ExtractVertex, normal_z), MEMBER(ExtractVertex, colour)),
       STRUCT(VolumeLayout, MEMBER(VolumeLayout, table_origin), MEMBER(VolumeLayout, table_size),
              MEMBER(VolumeLayout, scale)),
   };
