@@ -14,7 +14,7 @@ namespace rosefusion {
 
 struct BenchOptions {
   Settings settings;
-  int frames = 24;  ///< of the generated sequence: 0.8 s of the paper's fast motion, 640 x 480
+  int frames = 24;  ///< of the generated sequence: 2.4 s of the paper's fast motion, 640 x 480
   std::uint64_t seed = 1;
   int repeat = 15;  ///< measurements of each figure; the median is reported
 };

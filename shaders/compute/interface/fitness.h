@@ -7,7 +7,7 @@ namespace rosefusion::shader {
 #endif
 
 const uint kFitnessGroup = 64u;     // invocations per workgroup; the y index is the slice of points
-const uint kFitnessParticles = 2u;  // particles per invocation
+const uint kFitnessParticles = 4u;  // particles per invocation
 const uint kFitnessBindLayout = 0u;
 const uint kFitnessBindTable = 1u;
 const uint kFitnessBindTsdf = 2u;  // kMaxPoolChunks bindings
