@@ -22,12 +22,12 @@ double errorAt(std::size_t i, const Pose& estimate) {
 }
 
 TEST_F(PipelineTest, FollowsTheCamera) {
-  Pipeline pipeline = make();
+  Pipeline pipeline = make(loadSettings("paper"));
   double travelled = 0;
   for (std::size_t i = 0; i < shortSequence().frames.size(); ++i) {
     const FrameResult result = pipeline.processFrame(shortSequence().frames[i]);
     EXPECT_NE(result.status, TrackingStatus::Lost) << "frame " << i << ": " << result.reason;
-    EXPECT_LT(errorAt(i, result.world_from_camera), 0.06) << "frame " << i;  // two voxels
+    EXPECT_LT(errorAt(i, result.world_from_camera), 0.04) << "frame " << i;  // two voxels
     EXPECT_EQ(result.lookups > 0, i > 0) << "only the first frame needs no search";
     travelled = std::max(travelled, errorAt(i, Pose::Identity()));
   }
@@ -40,7 +40,7 @@ TEST_F(PipelineTest, FrameWithoutDepthIsLostAndNotFused) {
   pipeline.processFrame(shortSequence().frames[0]);
   const auto before = pipeline.volume().download();
   Frame empty = shortSequence().frames[1];
-  empty.depth = cv::Mat::zeros(empty.depth.size(), CV_16UC1);
+  empty.depth = cv::Mat(empty.depth.size(), CV_16UC1, cv::Scalar(0));
   const FrameResult result = pipeline.processFrame(empty);
   EXPECT_EQ(result.status, TrackingStatus::Lost);
   EXPECT_THAT(result.reason, ::testing::HasSubstr("valid depth"));
@@ -52,7 +52,7 @@ TEST_F(PipelineTest, FrameWithoutDepthIsLostAndNotFused) {
 TEST_F(PipelineTest, FirstFrameWithoutDepthStartsNothing) {
   Pipeline pipeline = make();
   Frame empty = shortSequence().frames[0];
-  empty.depth = cv::Mat::zeros(empty.depth.size(), CV_16UC1);
+  empty.depth = cv::Mat(empty.depth.size(), CV_16UC1, cv::Scalar(0));
   EXPECT_EQ(pipeline.processFrame(empty).status, TrackingStatus::Lost);
   EXPECT_EQ(pipeline.volume().blockCount(), 0u);
   EXPECT_EQ(pipeline.processFrame(shortSequence().frames[0]).status, TrackingStatus::Tracked);
