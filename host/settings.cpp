@@ -176,6 +176,7 @@ Settings loadSettings(const std::string& preset_or_file) {
       applyYamlText(settings, std::string(preset.yaml), "preset " + preset_or_file);
       return settings;
     }
+  settings = loadSettings("default");
   applyYamlFile(settings, preset_or_file);
   return settings;
 }

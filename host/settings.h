@@ -38,6 +38,7 @@ struct TrackingSettings {
 
 struct MeshSettings {
   double min_weight = 2;
+  int min_component = 100;
 };
 
 struct Settings {
@@ -80,7 +81,7 @@ void applyAssignment(Settings& settings, const std::string& assignment);
 /// keys.
 void applyYamlFile(Settings& settings, const std::filesystem::path& file);
 void applyYamlText(Settings& settings, const std::string& text, const std::string& source);
-/// A preset's name ("default", "paper") or a YAML file, over the built-in defaults. Throws InputError.
+/// A preset's name ("default", "paper"), or a YAML file over the preset "default". Throws InputError.
 Settings loadSettings(const std::string& preset_or_file);
 std::vector<std::string> presetNames();
 

@@ -113,6 +113,10 @@ std::vector<SettingsField> makeTable() {
       row(
           "mesh.min_weight", "frames", 0, 255, "voxels seen less often are left out of the mesh",
           [](Settings & s) -> auto& { return s.mesh.min_weight; }),
+      row(
+          "mesh.min_component", "triangles", 0, kMany,
+          "smaller connected parts of the mesh are dropped as noise",
+          [](Settings & s) -> auto& { return s.mesh.min_component; }),
   };
 }
 

@@ -46,7 +46,8 @@ ExtractPass::ExtractPass(Device& device) : device_(device) {
 void ExtractPass::count(Work& work, std::uint32_t first_slot, std::uint32_t blocks) {
   const ExtractCountParams params{first_slot, blocks, work.min_weight, 0};
   const Volume& volume = work.volume;
-  const Buffer* buffers[kExtractCountBindings] = {&volume.layoutBuffer(), &volume.table(), &volume.blockBuffer()};
+  const Buffer* buffers[kExtractCountBindings] = {&volume.layoutBuffer(), &volume.table(),
+                                                  &volume.blockBuffer()};
   for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
     buffers[kExtractCountBindTsdf + chunk] = &volume.tsdf(chunk);
     buffers[kExtractCountBindWeight + chunk] = &volume.weight(chunk);
@@ -60,8 +61,10 @@ void ExtractPass::count(Work& work, std::uint32_t first_slot, std::uint32_t bloc
 void ExtractPass::emit(Work& work, std::span<const ExtractBlock> listed) {
   std::memcpy(work.listed.as<char>().data(), listed.data(), listed.size_bytes());
   const Volume& volume = work.volume;
-  const ExtractEmitParams params{static_cast<std::uint32_t>(listed.size()), work.min_weight, volume.options().colour, 0};
-  const Buffer* buffers[kExtractEmitBindings] = {&volume.layoutBuffer(), &volume.table(), &volume.blockBuffer()};
+  const ExtractEmitParams params{static_cast<std::uint32_t>(listed.size()), work.min_weight,
+                                 volume.options().colour, 0};
+  const Buffer* buffers[kExtractEmitBindings] = {&volume.layoutBuffer(), &volume.table(),
+                                                 &volume.blockBuffer()};
   for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
     buffers[kExtractEmitBindTsdf + chunk] = &volume.tsdf(chunk);
     buffers[kExtractEmitBindWeight + chunk] = &volume.weight(chunk);
@@ -71,20 +74,28 @@ void ExtractPass::emit(Work& work, std::span<const ExtractBlock> listed) {
   buffers[kExtractEmitBindListed] = &work.listed;
   buffers[kExtractEmitBindVertices] = &work.vertices;
   buffers[kExtractEmitBindTriangles] = &work.triangles;
-  work.recorder.dispatchGroups(work.kernels.emit, buffers, &params, sizeof(params), static_cast<std::uint32_t>(listed.size()));
+  work.recorder.dispatchGroups(work.kernels.emit, buffers, &params, sizeof(params),
+                               static_cast<std::uint32_t>(listed.size()));
   work.recorder.submit();
 }
 
-void ExtractPass::run(const Volume& volume, float min_weight, const std::function<void(const ExtractBatch&)>& take) {
+void ExtractPass::run(const Volume& volume, float min_weight,
+                      const std::function<void(const ExtractBatch&)>& take) {
   const auto slots = static_cast<std::uint32_t>(volume.blocks().size());
   if (slots > kMaxSlots)
-    throw DeviceError(DeviceErrorCode::OutOfMemory, "The volume has too many blocks for one mesh; make volume.voxel_size larger.");
+    throw DeviceError(DeviceErrorCode::OutOfMemory,
+                      "The volume has too many blocks for one mesh; make volume.voxel_size larger.");
   Kernels& kernels = kernels_[volume.chunks()];
   if (!kernels.count) {
-    kernels.count = Kernel(device_, shaderCode("extract_count"), kExtractCountBindings, sizeof(ExtractCountParams), {volume.chunks()});
-    kernels.emit = Kernel(device_, shaderCode("extract_emit"), kExtractEmitBindings, sizeof(ExtractEmitParams), {volume.chunks()});
+    kernels.count = Kernel(device_, shaderCode("extract_count"), kExtractCountBindings,
+                           sizeof(ExtractCountParams), {volume.chunks()});
+    kernels.emit = Kernel(device_, shaderCode("extract_emit"), kExtractEmitBindings,
+                          sizeof(ExtractEmitParams), {volume.chunks()});
   }
-  Work work{volume, kernels, min_weight, Recorder(device_),
+  Work work{volume,
+            kernels,
+            min_weight,
+            Recorder(device_),
             Buffer(device_, sizeof(ExtractCount) * kCountBatch, Memory::Readback),
             Buffer(device_, sizeof(ExtractBlock) * kCountBatch, Memory::Upload),
             Buffer(device_, sizeof(ExtractVertex) * kVertices, Memory::Readback),
@@ -94,7 +105,8 @@ void ExtractPass::run(const Volume& volume, float min_weight, const std::functio
   const auto flush = [&] {
     if (listed.empty()) return;
     emit(work, listed);
-    take({listed, work.vertices.as<ExtractVertex>().first(vertices), work.triangles.as<std::uint32_t>().first(3ull * triangles)});
+    take({listed, work.vertices.as<ExtractVertex>().first(vertices),
+          work.triangles.as<std::uint32_t>().first(3ull * triangles)});
     listed.clear();
     vertices = triangles = 0;
   };

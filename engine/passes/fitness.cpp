@@ -42,7 +42,8 @@ void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectP
   if (32ull * (swarm.first_particle + swarm.particles) > templates_.bytes())
     throw DeviceError(DeviceErrorCode::Programming, "The swarm reaches past the templates on the device.");
   particles_ = swarm.particles;
-  const std::uint32_t slices = slices_ ? slices_ : slicesFor(device_.info(), swarm.particles);
+  const std::uint32_t slices = std::max((points.cells() + kLongestLoop - 1) / kLongestLoop,
+                                        slices_ ? slices_ : slicesFor(device_.info(), swarm.particles));
   if (partial_.bytes() < 8ull * slices * swarm.particles)
     partial_ = Buffer(device_, 8ull * slices * swarm.particles, Memory::Device);
   if (loss_buffer_.bytes() < 4ull * swarm.particles)

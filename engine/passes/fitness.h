@@ -26,8 +26,8 @@ struct SwarmPlacement {
 class FitnessPass {
  public:
   /// `templates`: two vec4 per particle, (x, y, z, 0) and (qx, qy, qz, 0), all templates one after the other.
-  /// `slices`: into how many parts the points are split; 0 chooses by the device (CPUs 1, GPUs enough to fill
-  /// them).
+  /// `slices`: into how many parts the points are split, 0 chooses by the device (CPUs 1, GPUs enough to fill
+  /// them); more where a part would be longer than a loop may be.
   FitnessPass(Device& device, std::span<const glm::vec4> templates, Loss loss, bool compensate = true,
               std::uint32_t slices = 0);
 

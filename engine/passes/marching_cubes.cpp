@@ -29,7 +29,8 @@ bool onCommonFace(int edge_a, int edge_b) {
   return (faces(edge_a) & faces(edge_b)) != 0;
 }
 
-/// next[e]: the crossing that follows edge e's on the surface's boundary, for every crossed edge; -1 elsewhere.
+/// next[e]: the crossing that follows edge e's on the surface's boundary, for every crossed edge; -1
+/// elsewhere.
 std::array<int, kCellEdges> boundaryOf(int cell_case) {
   std::array<int, kCellEdges> next;
   next.fill(-1);
@@ -41,22 +42,25 @@ std::array<int, kCellEdges> boundaryOf(int cell_case) {
       if (inside(corners[i]) || !inside(corners[(i + 1) % 4])) continue;
       int last = (i + 1) % 4;
       while (inside(corners[(last + 1) % 4])) last = (last + 1) % 4;
-      next[edgeBetween(corners[i], corners[(i + 1) % 4])] = edgeBetween(corners[last], corners[(last + 1) % 4]);
+      next[edgeBetween(corners[i], corners[(i + 1) % 4])] =
+          edgeBetween(corners[last], corners[(last + 1) % 4]);
     }
   }
   return next;
 }
 
-/// A fan whose inner edges cross the cell: one that lay in a face could meet the neighbour's, and four triangles
-/// would share it.
+/// A fan whose inner edges cross the cell: one that lay in a face could meet the neighbour's, and four
+/// triangles would share it.
 void addFan(const std::vector<int>& loop, std::vector<CellTriangle>& triangles) {
   const std::size_t n = loop.size();
   for (std::size_t first = 0; first < n; ++first) {
     bool clear = true;
-    for (std::size_t i = 2; i + 1 < n; ++i) clear = clear && !onCommonFace(loop[first], loop[(first + i) % n]);
+    for (std::size_t i = 2; i + 1 < n; ++i)
+      clear = clear && !onCommonFace(loop[first], loop[(first + i) % n]);
     if (!clear) continue;
     for (std::size_t i = 1; i + 1 < n; ++i)
-      triangles.push_back({std::uint8_t(loop[first]), std::uint8_t(loop[(first + i) % n]), std::uint8_t(loop[(first + i + 1) % n])});
+      triangles.push_back({std::uint8_t(loop[first]), std::uint8_t(loop[(first + i) % n]),
+                           std::uint8_t(loop[(first + i + 1) % n])});
     return;
   }
   throw DeviceError(DeviceErrorCode::Programming, "A case of marching cubes has no clean fan.");

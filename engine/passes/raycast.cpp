@@ -1,42 +1,35 @@
 #include "engine/passes/raycast.h"
 
+#include <algorithm>
+
 namespace rosefusion {
 
 using namespace shader;
 
-RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera) : device_(device), camera_(camera) {
+RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera)
+    : device_(device),
+      camera_(camera),
+      tiles_x_((camera.size.x + kRaycastTile - 1) / kRaycastTile),
+      tiles_y_((camera.size.y + kRaycastTile - 1) / kRaycastTile) {
   const auto pixels = static_cast<std::uint64_t>(camera.size.x) * camera.size.y;
+  tiles_ = Buffer(device, sizeof(RaycastTile) * tiles_x_ * tiles_y_, Memory::Device);
   vertices_ = Buffer(device, 16 * pixels, Memory::Device);
   normals_ = Buffer(device, 16 * pixels, Memory::Device);
-  tiles_ = Buffer(device, sizeof(RaycastTile) * ((camera.size.x + kRaycastTile - 1) / kRaycastTile) *
-                              ((camera.size.y + kRaycastTile - 1) / kRaycastTile), Memory::Device);
   preview_ = Buffer(device, 4 * pixels, Memory::Readback);
 }
 
 void RaycastPass::record(Recorder& recorder, const Volume& volume, const RaycastView& view) {
   Kernels& kernels = kernels_[volume.chunks()];
   if (!kernels.cast) {
-    kernels.range = Kernel(device_, shaderCode("raycast_range"), kRaycastRangeBindings, sizeof(RaycastRangeParams), {volume.chunks()});
-    kernels.cast = Kernel(device_, shaderCode("raycast"), kRaycastBindings, sizeof(RaycastParams), {volume.chunks()});
+    kernels.range = Kernel(device_, shaderCode("raycast_range"), kRaycastRangeBindings,
+                           sizeof(RaycastRangeParams), {volume.chunks()});
+    kernels.cast =
+        Kernel(device_, shaderCode("raycast"), kRaycastBindings, sizeof(RaycastParams), {volume.chunks()});
   }
-  RaycastParams params{};
-  params.world_from_camera = view.world_from_camera;
-  params.focal_centre = camera_.focal_centre;
-  params.size = glm::ivec4(camera_.size.x, camera_.size.y, view.colour && volume.options().colour, 0);
-  const int tiles_x = (camera_.size.x + kRaycastTile - 1) / kRaycastTile;
-  const int tiles_y = (camera_.size.y + kRaycastTile - 1) / kRaycastTile;
-  params.size.w = tiles_x;
-  const RaycastRangeParams range{glm::inverse(view.world_from_camera), camera_.focal_centre,
-                                 glm::ivec4(tiles_x, tiles_y, static_cast<int>(volume.blockCount()), 0), view.near, view.far};
-  if (solid_.bytes() < volume.table().bytes()) solid_ = Buffer(device_, volume.table().bytes(), Memory::Device);
-  recorder.fill(tiles_, kEmptyTile, 0, tiles_.bytes());
-  recorder.fill(solid_, 0, 0, solid_.bytes());
-  const Buffer* range_buffers[kRaycastRangeBindings] = {&volume.layoutBuffer(), &volume.blockBuffer()};
-  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk)
-    range_buffers[kRaycastRangeBindTsdf + chunk] = &volume.tsdf(chunk);
-  range_buffers[kRaycastRangeBindTiles] = &tiles_;
-  range_buffers[kRaycastRangeBindSolid] = &solid_;
-  recorder.dispatchBytes(kernels.range, range_buffers, &range, sizeof(range), {volume.blockCount()});
+  recordRange(recorder, kernels.range, volume, view);
+  const RaycastParams params{
+      view.world_from_camera, camera_.focal_centre,
+      glm::ivec4(camera_.size.x, camera_.size.y, view.colour && volume.options().colour, tiles_x_)};
   const Buffer* buffers[kRaycastBindings] = {&volume.layoutBuffer(), &volume.table()};
   for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
     buffers[kRaycastBindTsdf + chunk] = &volume.tsdf(chunk);
@@ -50,6 +43,24 @@ void RaycastPass::record(Recorder& recorder, const Volume& volume, const Raycast
   buffers[kRaycastBindSolid] = &solid_;
   recorder.dispatchBytes(kernels.cast, buffers, &params, sizeof(params),
                          {std::uint32_t(camera_.size.x), std::uint32_t(camera_.size.y)});
+}
+
+void RaycastPass::recordRange(Recorder& recorder, const Kernel& kernel, const Volume& volume,
+                              const RaycastView& view) {
+  if (solid_.bytes() < volume.table().bytes())
+    solid_ = Buffer(device_, volume.table().bytes(), Memory::Device);
+  recorder.fill(tiles_, kEmptyTile, 0, tiles_.bytes());
+  recorder.fill(solid_, 0, 0, solid_.bytes());
+  // The shader compares depths as bits, which needs them positive.
+  const RaycastRangeParams params{glm::inverse(view.world_from_camera), camera_.focal_centre,
+                                  glm::ivec4(tiles_x_, tiles_y_, static_cast<int>(volume.blockCount()), 0),
+                                  std::max(view.near, 0.0f), std::max(view.far, 0.0f)};
+  const Buffer* buffers[kRaycastRangeBindings] = {&volume.layoutBuffer(), &volume.blockBuffer()};
+  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk)
+    buffers[kRaycastRangeBindTsdf + chunk] = &volume.tsdf(chunk);
+  buffers[kRaycastRangeBindTiles] = &tiles_;
+  buffers[kRaycastRangeBindSolid] = &solid_;
+  recorder.dispatchBytes(kernel, buffers, &params, sizeof(params), {volume.blockCount()});
 }
 
 }  // namespace rosefusion

@@ -25,14 +25,19 @@ class RaycastPass {
 
   void record(Recorder& recorder, const Volume& volume, const RaycastView& view);
 
-  const Buffer& vertices() const { return vertices_; }  ///< vec4 per pixel, world frame, w = 1 where a surface was hit
-  const Buffer& normals() const { return normals_; }    ///< vec4 per pixel, world frame, towards free space
+  /// vec4 per pixel, world frame: the point hit, w = 1; all 0 where nothing was hit.
+  const Buffer& vertices() const { return vertices_; }
+  /// vec4 per pixel, world frame: unit length towards free space, w = 1; all 0 where nothing was hit.
+  const Buffer& normals() const { return normals_; }
   /// After the submit: one word 0xAABBGGRR per pixel (red in the low byte, alpha 255), sRGB.
   std::span<const std::uint32_t> preview() const { return preview_.as<std::uint32_t>(); }
 
  private:
+  void recordRange(Recorder& recorder, const Kernel& kernel, const Volume& volume, const RaycastView& view);
+
   Device& device_;
   shader::CameraIntrinsics camera_;
+  int tiles_x_, tiles_y_;
   struct Kernels {
     Kernel range, cast;
   };

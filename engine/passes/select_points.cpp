@@ -19,7 +19,7 @@ void SelectPointsPass::record(Recorder& recorder, const PreprocessPass& frame, c
     throw DeviceError(DeviceErrorCode::Programming, "The pixel grid does not lie inside the image.");
   const int columns = (camera_.size.x - grid.offset_x + grid.stride - 1) / grid.stride;
   const int rows = (camera_.size.y - grid.offset_y + grid.stride - 1) / grid.stride;
-  cells_ = static_cast<std::uint32_t>(columns * rows);
+  cells_ = static_cast<std::uint32_t>(columns) * rows;
   const std::uint64_t bytes = 16ull * cells_;
   if (selected_.bytes() < bytes) selected_ = Buffer(device_, bytes, Memory::Device);
   SelectParams params{};

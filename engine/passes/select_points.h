@@ -24,11 +24,11 @@ class SelectPointsPass {
 
   const Buffer& points() const { return selected_; }  ///< vec4 camera-frame points
   const Buffer& count() const { return count_; }
+  /// Pixels of the recorded grid: the most that can be selected, known before the submit.
+  std::uint32_t cells() const { return cells_; }
   /// After the submit: points selected, and valid pixels of the grid.
   std::uint32_t selected() const { return count_.as<std::uint32_t>()[0]; }
   std::uint32_t valid() const { return count_.as<std::uint32_t>()[1]; }
-  /// Pixels of the grid, valid or not.
-  std::uint32_t cells() const { return cells_; }
 
  private:
   Device& device_;

@@ -1,5 +1,6 @@
 #include "engine/passes/sum_check.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "shaders/compute/interface/sum_check.h"
@@ -8,14 +9,17 @@ namespace rosefusion {
 
 SumCheck sumOnDevice(Device& device, std::span<const float> values) {
   const Kernel kernel(device, shaderCode("sum_check"), 2, sizeof(shader::SumCheckParams));
-  const Buffer input(device, values.size_bytes(), Memory::Upload),
-      sums(device, sizeof(SumCheck), Memory::Readback);
+  const Buffer input(device, values.size_bytes(), Memory::Upload), sums(device, 16, Memory::Readback);
   std::memcpy(input.as<char>().data(), values.data(), values.size_bytes());
+  std::ranges::fill(sums.as<float>(), 0.0f);
   Recorder recorder(device);
-  recorder.dispatch(kernel, {&input, &sums},
-                    shader::SumCheckParams{static_cast<std::uint32_t>(values.size())}, {1});
-  recorder.submit();
-  return sums.as<SumCheck>()[0];
+  for (std::size_t first = 0; first < values.size(); first += shader::kLongestLoop) {
+    const std::size_t count = std::min<std::size_t>(shader::kLongestLoop, values.size() - first);
+    const shader::SumCheckParams params{static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
+    recorder.dispatch(kernel, {&input, &sums}, params, {1});
+    recorder.submit();
+  }
+  return {sums.as<float>()[shader::kSumCompensated], sums.as<float>()[shader::kSumPlain]};
 }
 
 bool compensatedSumsWork(Device& device) {

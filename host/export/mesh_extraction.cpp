@@ -23,7 +23,8 @@ struct EdgeIndex {
     const auto begin = edges.begin() + first[slot], end = edges.begin() + first[slot + 1];
     const auto found = std::lower_bound(begin, end, within);
     if (found == end || *found != within)
-      throw DeviceError(DeviceErrorCode::Programming, "The extracted surface names a vertex that was not extracted.");
+      throw DeviceError(DeviceErrorCode::Programming,
+                        "The extracted surface names a vertex that was not extracted.");
     return static_cast<std::uint32_t>(found - edges.begin());
   }
 };
@@ -39,7 +40,8 @@ void append(const ExtractBatch& batch, bool colour, TriangleMesh& mesh, EdgeInde
     mesh.normals.emplace_back(v.normal_x, v.normal_y, v.normal_z);
     if (!colour) continue;
     const std::uint32_t c = v.colour;
-    mesh.colours.push_back(c >> 24 ? std::array{std::uint8_t(c), std::uint8_t(c >> 8), std::uint8_t(c >> 16)} : kNoColour);
+    mesh.colours.push_back(c >> 24 ? std::array{std::uint8_t(c), std::uint8_t(c >> 8), std::uint8_t(c >> 16)}
+                                   : kNoColour);
   }
   for (std::size_t i = 0; i < batch.triangles.size(); i += 3)
     mesh.triangles.push_back({batch.triangles[i], batch.triangles[i + 1], batch.triangles[i + 2]});
@@ -101,12 +103,15 @@ TriangleMesh extractMesh(ExtractPass& pass, const Volume& volume, const MeshOpti
   pass.run(volume, options.min_weight,
            [&](const ExtractBatch& batch) { append(batch, volume.options().colour, mesh, index); });
   if (mesh.vertices.size() > std::numeric_limits<std::uint32_t>::max())
-    throw DeviceError(DeviceErrorCode::OutOfMemory, "The mesh has too many vertices; make volume.voxel_size larger.");
+    throw DeviceError(DeviceErrorCode::OutOfMemory,
+                      "The mesh has too many vertices; make volume.voxel_size larger.");
   index.first.resize(volume.blocks().size() + 1, static_cast<std::uint32_t>(mesh.vertices.size()));
   for (auto& t : mesh.triangles)
     for (std::uint32_t& corner : t) corner = index.vertexOf(corner);
-  if (options.min_component_triangles > 1) dropSmallComponents(mesh, options.min_component_triangles);
-  else dropUnusedVertices(mesh);
+  if (options.min_component_triangles > 1)
+    dropSmallComponents(mesh, options.min_component_triangles);
+  else
+    dropUnusedVertices(mesh);
   return mesh;
 }
 

@@ -1,7 +1,12 @@
 #include "host/run/output.h"
 
+#include <opencv2/imgcodecs.hpp>
+
 #include "host/error.h"
+#include "host/export/mesh_extraction.h"
+#include "host/export/mesh_io.h"
 #include "host/file_io.h"
+#include "host/run/preview.h"
 #include "host/run/report.h"
 
 namespace rosefusion {
@@ -25,9 +30,20 @@ OutputFolder::OutputFolder(const std::filesystem::path& folder) : folder_(folder
 }
 
 void OutputFolder::write(const RunSummary& summary, const SequenceInfo& info, Pipeline& pipeline) const {
+  const Trajectory trajectory = trajectoryOf(summary);
   writeFileAtomically(folder_ / "settings.yaml", toYaml(pipeline.settings()));
-  writeTumTrajectory(folder_ / "trajectory.txt", trajectoryOf(summary));
+  writeTumTrajectory(folder_ / "trajectory.txt", trajectory);
   writeFileAtomically(folder_ / "frames.csv", framesCsv(summary));
+
+  const MeshSettings& mesh = pipeline.settings().mesh;
+  ExtractPass extract(pipeline.device());
+  writePly(folder_ / "mesh.ply",
+           extractMesh(extract, pipeline.volume(),
+                       {static_cast<float>(mesh.min_weight), static_cast<std::size_t>(mesh.min_component)}));
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", renderOverview(pipeline, trajectory), png);
+  writeFileAtomically(folder_ / "preview.png", {reinterpret_cast<const char*>(png.data()), png.size()});
+
   writeFileAtomically(folder_ / "report.json", reportJson(summary, info, pipeline).dump(2) + "\n");
 }
 

@@ -29,6 +29,7 @@ const float kBeforeExit = 0.5;  // voxels before it: the sample that stands for 
 const int kMaxCandidates = 8;   // sign changes looked at per ray
 const float kLeastSlope = -1e-3;  // TSDF per voxel along the ray; keeps Newton steps finite
 const int kMaxSteps = 5;          // of Newton's method
+const float kConverged = 0.2;    // voxels of TSDF left; one more step then ends closer than a hundredth
 const float kMaxResidual = 0.5;  // voxels; a larger TSDF at its end means the ray passes by
 
 // A ray in voxels from the table's corner; `t` counts voxels.
@@ -107,7 +108,7 @@ Hit firstHit(Ray ray, float begin, float end) {
     for (int i = 0; i < kMaxSteps && !near_enough; ++i) {
       cell = cellAt(at(ray, guess));
       vec4 field = trilinear(cell);
-      near_enough = abs(field.w) * band < kMaxResidual;
+      near_enough = abs(field.w) * band < kConverged;
       if (field.w > 0.0) ahead = guess;
       else behind = guess;
       float next = guess - field.w / min(dot(field.xyz, ray.direction), kLeastSlope);

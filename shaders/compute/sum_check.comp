@@ -7,15 +7,16 @@
 layout(local_size_x = 1) in;
 layout(push_constant) uniform Push { SumCheckParams params; };
 layout(std430, binding = kSumCheckBindValues) readonly restrict buffer Values { float values[]; };
-layout(std430, binding = kSumCheckBindSums) writeonly restrict buffer Sums { float sums[]; };
+layout(std430, binding = kSumCheckBindSums) restrict buffer Sums { float sums[]; };
 
 void main() {
-  CompensatedSum compensated = CompensatedSum(0.0, 0.0);
-  float plain = 0.0;
-  for (uint i = 0u; i < params.count; ++i) {
+  CompensatedSum compensated = CompensatedSum(sums[kSumCompensated], sums[kSumLost]);
+  float plain = sums[kSumPlain];
+  for (uint i = params.first; i < params.first + params.count; ++i) {
     add(compensated, values[i]);
     plain += values[i];
   }
-  sums[0] = compensated.sum;
-  sums[1] = plain;
+  sums[kSumCompensated] = compensated.sum;
+  sums[kSumPlain] = plain;
+  sums[kSumLost] = compensated.lost;
 }

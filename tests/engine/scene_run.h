@@ -13,6 +13,15 @@
 #include "tests/reference/integrate.h"
 #include "tests/reference/scene.h"
 
+namespace rosefusion {
+
+/// How GoogleTest shows the parameter of the tests below.
+inline void PrintTo(const Intrinsics& camera, std::ostream* out) {
+  *out << camera.width << " x " << camera.height;
+}
+
+}  // namespace rosefusion
+
 namespace rosefusion::testing {
 
 /// Two cameras: a plain one, and one with odd sizes and a negative fy as in ICL-NUIM. All numbers are exact

@@ -7,10 +7,14 @@ namespace rosefusion::shader {
 #endif
 
 const uint kSumCheckBindValues = 0u;
-const uint kSumCheckBindSums = 1u;  // [0]: compensated, [1]: plain
+const uint kSumCheckBindSums = 1u;  // carried on from one dispatch to the next
+const uint kSumCompensated = 0u;
+const uint kSumPlain = 1u;
+const uint kSumLost = 2u;  // the compensation
 
 struct SumCheckParams {
-  uint count;
+  uint first;
+  uint count;  // at most kLongestLoop
 };
 
 #ifdef __cplusplus

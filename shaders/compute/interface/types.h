@@ -14,4 +14,14 @@ using glm::vec4;
 using uint = std::uint32_t;
 }  // namespace rosefusion::shader
 #endif
+
+#ifdef __cplusplus
+namespace rosefusion::shader {
+#endif
+// Most iterations that one invocation may run, over all its loops. Mesa's llvmpipe ends loops silently after 65535
+// (LP_MAX_TGSI_LOOP_ITERATIONS), and other drivers' watchdogs end what runs for seconds.
+const uint kLongestLoop = 32768u;
+#ifdef __cplusplus
+}  // namespace rosefusion::shader
+#endif
 #endif

@@ -1,0 +1,19 @@
+// A picture of the whole model: a view from above into it, with the camera's path.
+#pragma once
+#include <opencv2/core/mat.hpp>
+
+#include "host/pipeline.h"
+#include "host/trajectory.h"
+
+namespace rosefusion {
+
+/// Where a camera stands that sees all of the model from obliquely above. "Up" is what the recording cameras
+/// had for up on average; surfaces are seen from their front only, so that ceilings and near walls do not
+/// hide the inside.
+Pose overviewPose(const Volume& volume, const Trajectory& trajectory, const Intrinsics& view);
+
+/// CV_8UC3 (BGR) picture of the model with the path, blue at its start to red at its end. Submits work and
+/// waits.
+cv::Mat renderOverview(Pipeline& pipeline, const Trajectory& trajectory);
+
+}  // namespace rosefusion

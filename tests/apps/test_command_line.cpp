@@ -1,0 +1,98 @@
+// The program as a user meets it: help, bad input in one sentence with the right exit code, Ctrl-C.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+
+#include "host/error.h"
+#include "tests/host/base/temporary_folder.h"
+
+namespace rosefusion::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Outcome {
+  int code = -1;
+  std::string text;  ///< standard output and error
+};
+
+Outcome program(const std::string& arguments, const std::string& environment = "") {
+  const std::string line = environment + " " + ROSEFUSION_PROGRAM + " " + arguments + " 2>&1";
+  std::FILE* pipe = popen(line.c_str(), "r");
+  Outcome outcome;
+  std::array<char, 4096> chunk;
+  while (const auto n = std::fread(chunk.data(), 1, chunk.size(), pipe)) outcome.text.append(chunk.data(), n);
+  const int status = pclose(pipe);
+  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return outcome;
+}
+
+TEST(CommandLine, EverySubcommandHasHelpWithAnExample) {
+  for (const char* name : {"run", "check", "eval", "eval-mesh", "synth", "pst", "devices", "bench"}) {
+    const Outcome help = program(std::string(name) + " --help");
+    EXPECT_EQ(help.code, 0) << name;
+    EXPECT_THAT(help.text, HasSubstr("xample")) << name;
+    EXPECT_THAT(help.text, HasSubstr("--json")) << name;
+  }
+}
+
+TEST(CommandLine, BadInputEndsInOneSentenceThatNamesIt) {
+  const TemporaryFolder folder;
+  struct Case {
+    std::string arguments;
+    std::string named;
+  };
+  const std::string empty = folder.path().string();
+  for (const Case& c : {Case{"run /nowhere/at/all", "/nowhere/at/all"}, Case{"run " + empty, empty},
+                        Case{"run " + empty + " --set volume.size=3", "volume.size"},
+                        Case{"run " + empty + " --config nosuch.yaml", "nosuch.yaml"},
+                        Case{"check " + empty, empty}, Case{"eval /nowhere/a /nowhere/b", "/nowhere/"},
+                        Case{"eval-mesh /nowhere/a.ply /nowhere/b.ply", "/nowhere/a.ply"},
+                        Case{"pst --inspect /nowhere/p.bin", "/nowhere/p.bin"}}) {
+    const Outcome outcome = program(c.arguments);
+    EXPECT_EQ(outcome.code, kExitBadInput) << c.arguments << "\n" << outcome.text;
+    EXPECT_THAT(outcome.text, HasSubstr(c.named)) << c.arguments;
+    EXPECT_THAT(outcome.text, ::testing::Not(HasSubstr("terminate called"))) << c.arguments;
+  }
+}
+
+TEST(CommandLine, UnknownArgumentsAreRefused) {
+  EXPECT_EQ(program("reconstruct").code, kExitBadInput);
+  EXPECT_EQ(program("run somewhere --no-such-option").code, kExitBadInput);
+  EXPECT_EQ(program("").code, kExitBadInput);
+}
+
+TEST(CommandLine, NoVulkanDriverIsADeviceError) {
+  const Outcome outcome =
+      program("devices", "VK_ICD_FILENAMES=/nowhere/icd.json VK_DRIVER_FILES=/nowhere/icd.json");
+  EXPECT_EQ(outcome.code, kExitDevice);
+  EXPECT_THAT(outcome.text, HasSubstr("mesa-vulkan-drivers"));
+}
+
+TEST(CommandLine, UnknownDeviceListsThoseThereAre) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(program("synth " + (folder / "s").string() + " --frames 2 --width 64 --height 48").code, 0);
+  const Outcome outcome =
+      program("run " + (folder / "s").string() + " --device nosuchgpu --out " + (folder / "o").string());
+  EXPECT_EQ(outcome.code, kExitDevice);
+  EXPECT_THAT(outcome.text, HasSubstr("nosuchgpu"));
+}
+
+TEST(CommandLine, InterruptFinishesTheFiles) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(program("synth " + (folder / "s").string() + " --frames 90 --width 160 --height 120").code, 0);
+  const std::string out = (folder / "o").string();
+  const Outcome outcome =
+      program("run " + (folder / "s").string() + " --out " + out, "timeout --preserve-status -s INT 8 env");
+  // A fast machine may have finished before the signal.
+  EXPECT_TRUE(outcome.code == kExitInterrupted || outcome.code == 0) << outcome.text;
+  for (const char* file :
+       {"trajectory.txt", "mesh.ply", "preview.png", "frames.csv", "settings.yaml", "report.json"})
+    EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(out) / file)) << file << "\n" << outcome.text;
+}
+
+}  // namespace
+}  // namespace rosefusion::testing

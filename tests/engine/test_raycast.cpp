@@ -1,0 +1,243 @@
+// Pass raycast against its reference, against the true surface, and at its limits.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "engine/passes/raycast.h"
+#include "tests/engine/surface_scene.h"
+#include "tests/reference/raycast_reference.h"
+
+namespace rosefusion::testing {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kWidth = 160, kHeight = 120;
+constexpr float kFocal = 120;
+constexpr float kNear = 0.05f, kFar = 6.0f;
+
+// The pass ends with one Newton step on a field that is curved by less than a voxel's noise; the reference
+// bisects.
+constexpr double kDistanceToleranceVoxels = 0.02;
+// The gradient changes by at most a few degrees per voxel, so that the shift above turns the normal by far
+// less.
+constexpr double kNormalToleranceDegrees = 1.0;
+// Distances measured along the cameras' rays bend the field off a curved surface, most where it was seen
+// aslant.
+constexpr double kTrueNormalDegrees = 20;
+// Rays that graze an edge may decide differently: the pass looks for the front of a surface in single voxels,
+// the reference in interpolated samples.
+constexpr double kAgreeingShare = 0.98;
+
+shader::CameraIntrinsics viewCamera() {
+  return {glm::vec4(kFocal, kFocal, 0.5f * (kWidth - 1), 0.5f * (kHeight - 1)),
+          glm::ivec4(kWidth, kHeight, 0, 0)};
+}
+
+struct View {
+  std::vector<glm::vec4> vertices, normals;
+  std::vector<std::uint32_t> preview;
+  std::size_t hits() const {
+    return std::count_if(vertices.begin(), vertices.end(), [](const glm::vec4& v) { return v.w > 0; });
+  }
+};
+
+View cast(Device& device, SurfaceScene& scene, const Eigen::Isometry3d& pose, float near = kNear,
+          float far = kFar) {
+  RaycastPass pass(device, viewCamera());
+  pass.record(scene.recorder, scene.volume, {toGlm(pose), near, far, true});
+  scene.recorder.submit();
+  return {download<glm::vec4>(device, pass.vertices()),
+          download<glm::vec4>(device, pass.normals()),
+          {pass.preview().begin(), pass.preview().end()}};
+}
+
+/// Unit direction in the world through a pixel, and how much of it is depth.
+std::pair<Vector3d, double> rayThrough(const Eigen::Isometry3d& pose, int pixel, double focal = kFocal) {
+  const Vector3d ray((pixel % kWidth - 0.5 * (kWidth - 1)) / focal,
+                     (pixel / kWidth - 0.5 * (kHeight - 1)) / focal, 1);
+  return {pose.linear() * ray.normalized(), 1 / ray.norm()};
+}
+
+struct Agreement {
+  int pixels = 0, hits = 0, agreeing = 0;
+  double share() const { return double(agreeing) / pixels; }
+};
+
+Agreement compare(const View& view, const reference::Field& field, const Eigen::Isometry3d& pose,
+                  double voxel_size, double focal = kFocal) {
+  Agreement result;
+  for (int pixel = 0; pixel < kWidth * kHeight; ++pixel) {
+    const auto [direction, depth_share] = rayThrough(pose, pixel, focal);
+    const auto hit =
+        reference::castRay(field, pose.translation(), direction, kNear / depth_share, kFar / depth_share);
+    const glm::vec4 v = view.vertices[pixel], n = view.normals[pixel];
+    ++result.pixels;
+    result.hits += hit.hit;
+    if (!hit.hit || v.w == 0) {
+      result.agreeing += !hit.hit && v.w == 0;
+      continue;
+    }
+    const Vector3d expected = pose.translation() + hit.distance * direction;
+    // Along the normal: a ray that grazes the surface turns the smallest offset into a long way along the
+    // ray.
+    const double off =
+        (Vector3d(v.x, v.y, v.z) - expected).norm() * std::abs(direction.dot(hit.normal)) / voxel_size;
+    const double cosine = std::min(1.0, Vector3d(n.x, n.y, n.z).dot(hit.normal));
+    result.agreeing +=
+        off < kDistanceToleranceVoxels && std::acos(cosine) * 180 / M_PI < kNormalToleranceDegrees;
+  }
+  return result;
+}
+
+class Raycast : public SurfaceTest {
+ protected:
+  SurfaceScene& scene(bool colour = false) {
+    if (!scene_) {
+      scene_.emplace(device, SceneOptions{.colour = colour});
+      for (const auto& pose : posesAllAround()) scene_->fuse(pose);
+    }
+    return *scene_;
+  }
+
+ private:
+  std::optional<SurfaceScene> scene_;
+};
+
+TEST_F(Raycast, AgreesWithTheReference) {
+  const reference::Field field = scene().field();
+  for (const auto& pose : {posesAllAround()[1], lookAt({0.9, 0.5, -1.1}, {0.1, -0.1, 0}),
+                           lookAt({1.2, 1.1, 1.3}, {-1, 1.5, 0})}) {
+    const Agreement result = compare(cast(device, scene(), pose), field, pose, field.voxelSize());
+    EXPECT_GT(result.share(), kAgreeingShare);
+    EXPECT_GT(result.hits, result.pixels / 2);
+  }
+}
+
+TEST_F(Raycast, AgreementIsLostWhenACoefficientIsWrong) {
+  const auto pose = posesAllAround()[1];
+  const View view = cast(device, scene(), pose);
+  const reference::Field field = scene().field();
+  EXPECT_LT(compare(view, field, pose, field.voxelSize(), 1.01 * kFocal).share(), 0.5) << "focal length";
+  const reference::Field larger = scene().field(1.01);
+  EXPECT_LT(compare(view, larger, pose, field.voxelSize()).share(), 0.5) << "voxel size";
+}
+
+TEST_F(Raycast, FindsTheTrueSurface) {
+  const auto pose = lookAt({0.9, 0.5, -1.1}, {0, 0, 0});
+  const View view = cast(device, scene(), pose);
+  const double voxel = scene().volume.options().voxel_size;
+  int hits = 0, near_truth = 0, upright = 0, on_sphere = 0;
+  for (int pixel = 0; pixel < kWidth * kHeight; ++pixel) {
+    const glm::vec4 v = view.vertices[pixel], n = view.normals[pixel];
+    if (v.w == 0) continue;
+    const Vector3d p(v.x, v.y, v.z);
+    const double off =
+        std::min(std::abs(p.norm() - kSphereRadius), std::abs(p.cwiseAbs().maxCoeff() - kBoxHalf));
+    ++hits;
+    near_truth += off < 0.5 * voxel;
+    if (p.norm() > kSphereRadius + voxel) continue;
+    ++on_sphere;
+    upright += Vector3d(n.x, n.y, n.z).dot(p.normalized()) > std::cos(kTrueNormalDegrees * M_PI / 180);
+  }
+  EXPECT_GT(hits, kWidth * kHeight * 95 / 100);
+  EXPECT_GT(near_truth, hits * 98 / 100);
+  EXPECT_GT(on_sphere, 2000);
+  EXPECT_GT(upright, on_sphere * 98 / 100);
+}
+
+TEST_F(Raycast, RepeatsExactly) {
+  const auto pose = posesAllAround()[4];
+  const View first = cast(device, scene(), pose), second = cast(device, scene(), pose);
+  EXPECT_EQ(first.vertices, second.vertices);
+  EXPECT_EQ(first.normals, second.normals);
+  EXPECT_EQ(first.preview, second.preview);
+}
+
+TEST_F(Raycast, KeepsToItsDepthLimits) {
+  const auto pose = posesAllAround()[1];
+  const double to_sphere = kCameraDistance - kSphereRadius;
+  EXPECT_EQ(cast(device, scene(), pose, kNear, float(0.9 * to_sphere)).hits(), 0u);
+  // From inside the sphere on: its front is not seen, and its back is no surface seen from there.
+  const float near = float(kCameraDistance);
+  const View view = cast(device, scene(), pose, near);
+  const double voxel = scene().volume.options().voxel_size;
+  EXPECT_GT(view.hits(), 1000u);
+  for (int pixel = 0; pixel < kWidth * kHeight; ++pixel) {
+    const glm::vec4 v = view.vertices[pixel];
+    if (v.w == 0) continue;
+    const Vector3d p(v.x, v.y, v.z);
+    EXPECT_GT((p - pose.translation()).dot(pose.linear().col(2)), near - voxel);
+    const auto [direction, depth_share] = rayThrough(pose, pixel);
+    const Vector3d start = pose.translation() + near / depth_share * direction;
+    if (start.norm() > kSphereRadius - 2 * voxel) continue;  // grazes the sphere from the outside
+    EXPECT_GT(p.norm(), kSphereRadius + 0.1);
+  }
+}
+
+TEST_F(Raycast, ShowsNothingFromBehindASurface) {
+  // A wall at z = 1, seen from the origin only.
+  SurfaceScene wall(device, {});
+  const Eigen::Isometry3d front = lookAt({0, 0, 0}, {0, 0, 1});
+  wall.fuse(front, [](const Vector3d&, const Vector3d& direction) { return 1 / direction.z(); });
+  const std::size_t pixels = kWidth * kHeight;
+  EXPECT_GT(cast(device, wall, front).hits(), pixels * 98 / 100);
+  EXPECT_EQ(cast(device, wall, lookAt({0, 0, 2}, {0, 0, 1})).hits(), 0u);
+  EXPECT_EQ(cast(device, wall, lookAt({0.4, 0.3, 1.8}, {0, 0, 1})).hits(), 0u);
+  EXPECT_EQ(cast(device, wall, lookAt({0, 0, 1.02}, {0, 0, 2})).hits(), 0u)
+      << "from inside the wall, looking out";
+}
+
+TEST_F(Raycast, AnEmptyVolumeShowsTheBackground) {
+  SurfaceScene empty(device, {});
+  const View view = cast(device, empty, Eigen::Isometry3d::Identity());
+  EXPECT_EQ(view.hits(), 0u);
+  for (const std::uint32_t pixel : view.preview) EXPECT_EQ(pixel >> 24, 255u);
+}
+
+int channel(std::uint32_t pixel, int i) {
+  return int(pixel >> (8 * i) & 255);
+}
+
+/// Largest difference of the preview from a headlight on `surface` colours (0 .. 1), in steps of 1/255.
+double shadingError(const View& view, const Eigen::Isometry3d& pose,
+                    const std::function<Vector3d(const Vector3d&)>& surface) {
+  double worst = 0;
+  for (int pixel = 0; pixel < kWidth * kHeight; ++pixel) {
+    const glm::vec4 v = view.vertices[pixel], n = view.normals[pixel];
+    if (v.w == 0) continue;
+    const Vector3d normal(n.x, n.y, n.z), colour = surface(Vector3d(v.x, v.y, v.z));
+    if (colour.x() < 0) continue;
+    const double facing = std::max(0.0, -normal.dot(rayThrough(pose, pixel).first));
+    for (int i = 0; i < 3; ++i) {
+      const double expected = colour[i] * (0.2 + 0.7 * facing) + 0.1 * std::pow(facing, 24);
+      worst = std::max(worst, std::abs(255 * expected - channel(view.preview[pixel], i)));
+    }
+  }
+  return worst;
+}
+
+TEST_F(Raycast, PreviewIsLitFromTheCamera) {
+  const auto pose = lookAt({0.9, 0.5, -1.1}, {0, 0, 0});
+  const View view = cast(device, scene(), pose);
+  EXPECT_LT(shadingError(view, pose, [](const Vector3d&) { return Vector3d(0.80, 0.78, 0.74); }), 1.0);
+  EXPECT_GT(shadingError(view, pose, [](const Vector3d&) { return Vector3d(0.75, 0.78, 0.74); }), 5.0);
+}
+
+TEST_F(Raycast, PreviewTakesTheVolumesColours) {
+  const auto pose = lookAt({0.9, 0.5, -1.1}, {0, 0, 0});
+  const View view = cast(device, scene(true), pose);
+  const auto truth = [](const Vector3d& p) -> Vector3d {
+    // Beside the outline of the sphere the images' pixels and the voxels disagree; nothing is expected there.
+    const bool sphere = p.norm() < kSphereRadius + 0.01;
+    const std::uint32_t c = sphere ? kSphereColour : kBoxColour;
+    return Vector3d(channel(c, 0), channel(c, 1), channel(c, 2)) / 255;
+  };
+  // Two colours are averaged and rounded to 8 bits in every fusion.
+  EXPECT_LT(shadingError(view, pose, truth), 3.0);
+}
+
+}  // namespace
+}  // namespace rosefusion::testing

@@ -1,0 +1,29 @@
+// A short generated sequence, small enough for a test and fast enough to be worth tracking.
+#pragma once
+#include "host/settings.h"
+#include "host/synth/sequence.h"
+
+namespace rosefusion::testing {
+
+inline const SynthSequence& shortSequence() {
+  static const SynthSequence sequence = [] {
+    SynthOptions options;
+    options.seed = 5;
+    options.frames = 16;
+    options.intrinsics = {320, 240, 160, 160, 159.5, 119.5};
+    return makeSequence(options);
+  }();
+  return sequence;
+}
+
+/// The paper's search with fewer particles: a frame takes milliseconds instead of a third of a second.
+inline Settings quickSettings() {
+  Settings settings = loadSettings("paper");
+  applyAssignment(settings, "swarm.levels=1024/16 512/8 256/4");
+  applyAssignment(settings, "tracking.templates_per_level=3");
+  applyAssignment(settings, "volume.voxel_size=0.03");
+  applyAssignment(settings, "volume.truncation=0.09");
+  return settings;
+}
+
+}  // namespace rosefusion::testing

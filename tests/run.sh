@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# All tests: installs what is missing, builds, and runs everything in Release on Mesa's software device (or on
+# $ROSEFUSION_DEVICE) with validation; then the tests of engine and pipeline again with narrower subgroups; then all
+# but the long ones under the address and undefined-behaviour sanitizers. Ends with 'All tests passed.' or fails.
+# 'tests/run.sh --no-sanitizers' leaves out the last part.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+sanitizers=1
+case "${1:-}" in
+  "") ;;
+  --no-sanitizers) sanitizers=0 ;;
+  *)
+    echo "run.sh: there is no option '$1'; known is --no-sanitizers." >&2
+    exit 2
+    ;;
+esac
+cd "$root"
+
+step() { printf '\n== %s (%d min %02d s so far)\n' "$*" $((SECONDS / 60)) $((SECONDS % 60)); }
+fail() {
+  echo "run.sh: $*" >&2
+  exit 1
+}
+jobs() {  # one per core, but no more than memory allows: a compiler takes up to 1 GB, 1.5 GB under the sanitizers
+  local cores fit
+  cores=$(nproc)
+  fit=$(awk '/^MemAvailable/ {print int($2 / 1.5e6)}' /proc/meminfo 2>/dev/null || echo "$cores")
+  echo $((fit < 1 ? 1 : fit < cores ? fit : cores))
+}
+build() {
+  mkdir -p "build/$1"
+  cmake --preset "$1" >"build/$1/configure.log" 2>&1 || {
+    cat "build/$1/configure.log" >&2
+    fail "the build '$1' could not be configured; the lines above name what is missing."
+  }
+  cmake --build "build/$1" --parallel "$(jobs)" || fail "the build '$1' failed; see above."
+}
+# A run that finds no test must not pass.
+run() { ctest --test-dir "build/$1" --output-on-failure --no-tests=error --parallel 2 "${@:2}"; }
+
+# The precompiled headers need these two allowances to be cached.
+export CCACHE_SLOPPINESS=pch_defines,time_macros
+export CCACHE_BASEDIR=${CCACHE_BASEDIR:-$root} CCACHE_NOHASHDIR=1
+export UBSAN_OPTIONS=print_stacktrace=1
+
+step "Packages"
+bash apps/install_packages.sh --tests
+
+step "Release: build"
+build ci
+step "Release: all tests, subgroups of 8"
+LP_NATIVE_VECTOR_WIDTH=256 run ci
+
+# The variable is Mesa's software device's; no other device heeds it.
+if [[ -z "${ROSEFUSION_DEVICE:-}" ]]; then
+  step "Release: tests on the device, subgroups of 4"
+  LP_NATIVE_VECTOR_WIDTH=128 run ci --label-regex device
+fi
+
+if [[ $sanitizers == 1 ]]; then
+  step "Sanitizers: build"
+  build asan
+  step "Sanitizers: all tests but the long ones"
+  LP_NATIVE_VECTOR_WIDTH=256 run asan --label-exclude long
+fi
+
+step "All tests passed"
