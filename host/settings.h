@@ -25,8 +25,8 @@ struct VolumeSettings {
   std::uint64_t memory_limit_mb = 0;
 };
 
-/// Which pixels a particle counts: all valid ones, those in the overlap of the current best pose with the last frame
-/// (the paper), or those in the overlap of the particle's own pose (the authors' release).
+/// Which pixels a particle counts: all valid ones, those in the overlap of the current best pose with the
+/// last frame (the paper), or those in the overlap of the particle's own pose (the authors' release).
 enum class Overlap { kNone, kBestPose, kParticle };
 
 struct TrackingSettings {
