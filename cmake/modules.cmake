@@ -20,7 +20,7 @@ add_library(rosefusion_common INTERFACE)
 target_include_directories(rosefusion_common INTERFACE ${PROJECT_SOURCE_DIR})
 target_link_libraries(rosefusion_common INTERFACE rosefusion_options Eigen3::Eigen opencv_core
                                                   nlohmann_json::nlohmann_json spdlog::spdlog Threads::Threads)
-file(WRITE ${PROJECT_BINARY_DIR}/pch.cpp "")
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/pch.cpp CONTENT "// Empty.\n")  # not touched when it is there already
 add_library(rosefusion_pch OBJECT ${PROJECT_BINARY_DIR}/pch.cpp)
 target_link_libraries(rosefusion_pch PRIVATE rosefusion_common)
 target_precompile_headers(rosefusion_pch PRIVATE
