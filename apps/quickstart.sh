@@ -65,3 +65,4 @@ cat <<END
   $result/report.json     what happened: counts, times, memory, errors
   $result/errors.png      trajectory and errors against the truth
 Your own data:  $program run FOLDER --out $root/out/NAME
+END

@@ -10,8 +10,8 @@ namespace rosefusion {
 void requirePlausible(const Intrinsics& k, const std::string& source) {
   const auto reject = [&](const std::string& why) {
     std::ostringstream text;
-    text << source << ": implausible camera intrinsics (fx " << k.fx << ", fy " << k.fy << ", cx " << k.cx << ", cy "
-         << k.cy << ", " << k.width << "x" << k.height << "): " << why;
+    text << source << ": implausible camera intrinsics (fx " << k.fx << ", fy " << k.fy << ", cx " << k.cx
+         << ", cy " << k.cy << ", " << k.width << "x" << k.height << "): " << why;
     throw InputError(text.str());
   };
   if (k.width < 8 || k.height < 8 || k.width > 16384 || k.height > 16384)

@@ -28,8 +28,8 @@ struct Intrinsics {
   bool operator==(const Intrinsics&) const = default;
 };
 
-/// Throws InputError, naming `source` (the file or setting they came from), for zero, non-finite or absurd values:
-/// focal lengths outside 0.1 to 10 image widths, or a principal point outside the image.
+/// Throws InputError, naming `source` (the file or setting they came from), for zero, non-finite or absurd
+/// values: focal lengths outside 0.1 to 10 image widths, or a principal point outside the image.
 void requirePlausible(const Intrinsics& intrinsics, const std::string& source);
 
 /// Rotation angle of a rigid transform, radians in [0, pi].

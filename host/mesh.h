@@ -12,7 +12,8 @@ struct TriangleMesh {
   std::vector<Eigen::Vector3f> vertices;
   std::vector<Eigen::Vector3f> normals;
   std::vector<std::array<std::uint8_t, 3>> colours;
-  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from the outside (free space)
+  std::vector<std::array<std::uint32_t, 3>>
+      triangles;  ///< counter-clockwise seen from the outside (free space)
 };
 
 }  // namespace rosefusion

@@ -25,8 +25,12 @@ struct VolumeSettings {
   std::uint64_t memory_limit_mb = 0;
 };
 
+/// Which pixels a particle counts: all valid ones, those in the overlap of the current best pose with the
+/// last frame (the paper), or those in the overlap of the particle's own pose (the authors' release).
+enum class Overlap { kNone, kBestPose, kParticle };
+
 struct TrackingSettings {
-  bool overlap_only = true;
+  Overlap overlap = Overlap::kBestPose;
   bool compensate = true;
   std::uint64_t seed = 1;
   int templates_per_level = 20;

@@ -93,9 +93,11 @@ std::vector<SettingsField> makeTable() {
       choice<FrameStart>("swarm.frame_start", {"previous-first-lengths", "failure-loss"},
                          "axis lengths a frame starts with [PST initialization]", S(&W::frame_start)),
 
-      row("tracking.overlap_only", "", 0, 1,
-          "count only pixels in the overlap with the last frame [eq. validness]",
-          T(&TrackingSettings::overlap_only)),
+      choice<Overlap>("tracking.overlap", {"none", "best-pose", "particle"},
+                      "pixels counted: all, or in the overlap with the last frame [eq. validness] at the "
+                      "best pose or at the "
+                      "particle's own",
+                      T(&TrackingSettings::overlap)),
       row("tracking.compensate", "", 0, 1, "Kahan-compensated sums [GPU implementation]",
           T(&TrackingSettings::compensate)),
       row("tracking.seed", "", 0, 1e15, "seed of the swarm templates", T(&TrackingSettings::seed)),

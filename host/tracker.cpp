@@ -31,6 +31,7 @@ Tracker::Tracker(Device& device, const Settings& settings, const Intrinsics& int
                  TemplateSet templates)
     : settings_(settings),
       templates_(std::move(templates)),
+      camera_(toShader(intrinsics)),
       recorder_(device),
       select_(device, toShader(intrinsics)),
       fitness_(device, flatten(templates_),
@@ -50,8 +51,10 @@ Tracker::Tracker(Device& device, const Settings& settings, const Intrinsics& int
 void Tracker::evaluate(const PreprocessPass& frame, const Volume& volume, const PixelGrid& grid,
                        const Pose& centre, const Pose& last, const SwarmPlacement& swarm) {
   const glm::mat4 previous_from_current = toShader(last.inverse() * centre);
-  select_.record(recorder_, frame, grid, settings_.tracking.overlap_only ? &previous_from_current : nullptr);
-  fitness_.record(recorder_, volume, select_, swarm);
+  const Overlap overlap = settings_.tracking.overlap;
+  select_.record(recorder_, frame, grid, overlap == Overlap::kBestPose ? &previous_from_current : nullptr);
+  const LastView view{toShader(last.inverse()), camera_};
+  fitness_.record(recorder_, volume, select_, swarm, overlap == Overlap::kParticle ? &view : nullptr);
   recorder_.submit();
 }
 
@@ -68,7 +71,8 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, co
              {toShader(state.centre), lengths(state.axis_lengths, 0), lengths(state.axis_lengths, 3),
               level_offsets_[state.level] + number * particles, particles});
     result.lookups += std::uint64_t(particles) * select_.selected();
-    result.steps.push_back(update(settings_.swarm, state, swarm_template, fitness_.losses()));
+    result.steps.push_back(
+        update(settings_.swarm, state, swarm_template, fitness_.losses(), fitness_.counted()));
   }
   result.world_from_camera = state.centre;
   result.iterations = state.iteration;

@@ -43,6 +43,7 @@ class Tracker {
   const Settings settings_;
   TemplateSet templates_;
   std::vector<std::uint32_t> level_offsets_;  ///< first particle of each level's first template on the device
+  shader::CameraIntrinsics camera_;
   Recorder recorder_;
   SelectPointsPass select_;
   FitnessPass fitness_;

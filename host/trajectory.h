@@ -26,8 +26,8 @@ Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsort
 /// Writes the whole file or, on failure, throws InputError and leaves nothing half-written.
 void writeTumTrajectory(const std::filesystem::path& file, const Trajectory& trajectory);
 
-/// Pose at time t: linear in position, slerp in rotation. False when t lies outside the trajectory by more than
-/// `max_gap` seconds or between two poses further apart than that.
+/// Pose at time t: linear in position, slerp in rotation. False when t lies outside the trajectory by more
+/// than `max_gap` seconds or between two poses further apart than that.
 bool interpolate(const Trajectory& trajectory, double t, double max_gap, Pose& world_from_camera);
 
 }  // namespace rosefusion

@@ -29,6 +29,7 @@ FitnessPass::FitnessPass(Device& device, std::span<const glm::vec4> templates, L
       compensate_(compensate),
       slices_(slices),
       reduce_(device, shaderCode("fitness_reduce"), 3, sizeof(FitnessReduceParams)) {
+  overlap_ = Buffer(device, sizeof(OverlapView), Memory::Upload);
   templates_ = Buffer(device, templates.size_bytes(), Memory::Device);
   Buffer stage(device, templates.size_bytes(), Memory::Upload);
   std::memcpy(stage.as<char>().data(), templates.data(), templates.size_bytes());
@@ -38,21 +39,29 @@ FitnessPass::FitnessPass(Device& device, std::span<const glm::vec4> templates, L
 }
 
 void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points,
-                         const SwarmPlacement& swarm) {
+                         const SwarmPlacement& swarm, const LastView* last_view) {
   if (32ull * (swarm.first_particle + swarm.particles) > templates_.bytes())
     throw DeviceError(DeviceErrorCode::Programming, "The swarm reaches past the templates on the device.");
   particles_ = swarm.particles;
   const std::uint32_t slices = std::max((points.cells() + kLongestLoop - 1) / kLongestLoop,
                                         slices_ ? slices_ : slicesFor(device_.info(), swarm.particles));
-  if (partial_.bytes() < 8ull * slices * swarm.particles)
-    partial_ = Buffer(device_, 8ull * slices * swarm.particles, Memory::Device);
+  if (partial_.bytes() < 16ull * slices * swarm.particles)
+    partial_ = Buffer(device_, 16ull * slices * swarm.particles, Memory::Device);
   if (loss_buffer_.bytes() < 4ull * swarm.particles)
     loss_buffer_ = Buffer(device_, 4ull * swarm.particles, Memory::Readback);
+  if (counted_.bytes() < 4ull * swarm.particles)
+    counted_ = Buffer(device_, 4ull * swarm.particles, Memory::Readback);
+  if (last_view) {
+    const glm::vec4 f = last_view->camera.focal_centre;
+    const glm::mat4 image_from_camera(f.x, 0, 0, 0, 0, f.y, 0, 0, f.z, f.w, 1, 0, 0, 0, 0, 1);
+    overlap_.as<OverlapView>()[0] = {image_from_camera * last_view->camera_from_world,
+                                     last_view->camera.size};
+  }
 
-  Kernel& kernel = kernels_[volume.chunks()];
+  Kernel& kernel = kernels_[{volume.chunks(), last_view != nullptr}];
   if (!kernel)
     kernel = Kernel(device_, shaderCode("fitness"), kFitnessBindings, sizeof(FitnessParams),
-                    {volume.chunks(), static_cast<std::uint32_t>(loss_), compensate_});
+                    {volume.chunks(), static_cast<std::uint32_t>(loss_), compensate_, last_view != nullptr});
   const FitnessParams params{swarm.world_from_camera,
                              swarm.translation_lengths,
                              swarm.rotation_lengths,
@@ -67,9 +76,10 @@ void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectP
   buffers[kFitnessBindPoints] = &points.points();
   buffers[kFitnessBindCount] = &points.count();
   buffers[kFitnessBindPartial] = &partial_;
+  buffers[kFitnessBindOverlap] = &overlap_;
   recorder.dispatchBytes(kernel, buffers, &params, sizeof(params),
                          {(swarm.particles + kFitnessParticles - 1) / kFitnessParticles, slices});
-  recorder.dispatch(reduce_, {&partial_, &points.count(), &loss_buffer_},
+  recorder.dispatch(reduce_, {&partial_, &loss_buffer_, &counted_},
                     FitnessReduceParams{swarm.particles, slices}, {swarm.particles});
 }
 

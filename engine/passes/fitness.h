@@ -23,6 +23,13 @@ struct SwarmPlacement {
   std::uint32_t particles = 0;
 };
 
+/// The last frame's camera, against which each particle tests its own overlap [eq:validness, at the
+/// particle's pose].
+struct LastView {
+  glm::mat4 camera_from_world{1};
+  shader::CameraIntrinsics camera;
+};
+
 class FitnessPass {
  public:
   /// `templates`: two vec4 per particle, (x, y, z, 0) and (qx, qy, qz, 0), all templates one after the other.
@@ -31,19 +38,24 @@ class FitnessPass {
   FitnessPass(Device& device, std::span<const glm::vec4> templates, Loss loss, bool compensate = true,
               std::uint32_t slices = 0);
 
+  /// With `last_view` a particle counts only the points that it moves into that view; without, it counts all
+  /// points.
   void record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points,
-              const SwarmPlacement& swarm);
-  /// After the submit: mean loss per particle in [0, 1], negative when no point was selected.
+              const SwarmPlacement& swarm, const LastView* last_view = nullptr);
+  /// After the submit: mean loss per particle in [0, 1], negative when no point was counted.
   std::span<const float> losses() const { return loss_buffer_.as<float>().first(particles_); }
+  /// After the submit: points counted per particle.
+  std::span<const std::uint32_t> counted() const { return counted_.as<std::uint32_t>().first(particles_); }
 
  private:
   Device& device_;
   Loss loss_;
   bool compensate_;
   std::uint32_t slices_;
-  std::map<std::uint32_t, Kernel> kernels_;  ///< by number of pool chunks
+  std::map<std::pair<std::uint32_t, bool>, Kernel>
+      kernels_;  ///< by number of pool chunks, and overlap per particle
   Kernel reduce_;
-  Buffer templates_, partial_, loss_buffer_;
+  Buffer templates_, partial_, loss_buffer_, counted_, overlap_;
   std::uint32_t particles_ = 0;
 };
 

@@ -3,9 +3,9 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "host/error.h"
-#include "host/export/mesh_extraction.h"
 #include "host/export/mesh_io.h"
 #include "host/file_io.h"
+#include "host/run/mesh_extraction.h"
 #include "host/run/preview.h"
 #include "host/run/report.h"
 

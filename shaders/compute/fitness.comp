@@ -14,13 +14,21 @@
 
 layout(constant_id = 1) const uint kLoss = kLossSquared;
 layout(constant_id = 2) const bool kCompensate = true;
+layout(constant_id = 3) const bool kOverlapPerParticle = false;
 
 layout(local_size_x = kFitnessGroup) in;
 layout(push_constant) uniform Push { FitnessParams params; };
 layout(std430, binding = kFitnessBindTemplates) readonly restrict buffer Templates { vec4 templates[]; };
 layout(std430, binding = kFitnessBindPoints) readonly restrict buffer Points { vec4 points[]; };
 layout(std430, binding = kFitnessBindCount) readonly restrict buffer Count { uint count[]; };
-layout(std430, binding = kFitnessBindPartial) writeonly restrict buffer Partial { vec2 partial[]; };
+layout(std430, binding = kFitnessBindPartial) writeonly restrict buffer Partial { vec4 partial[]; };
+layout(std430, binding = kFitnessBindOverlap) readonly restrict buffer Overlap { OverlapView overlap; };
+
+// Whether the last frame's image holds the point (u z, v z, z).
+bool inLastImage(vec3 h) {
+  vec2 limit = (vec2(overlap.size.xy) - 0.5) * h.z;
+  return h.z > 0.0 && h.x >= -0.5 * h.z && h.y >= -0.5 * h.z && h.x < limit.x && h.y < limit.y;
+}
 
 void main() {
   // One invocation carries several particles, so that a point is fetched once for all of them.
@@ -29,16 +37,26 @@ void main() {
   if (first >= share) return;
   mat3 rotation[kFitnessParticles];
   vec3 translation[kFitnessParticles];
+  mat3 image_rotation[kFitnessParticles];
+  vec3 image_translation[kFitnessParticles];
   CompensatedSum loss[kFitnessParticles];
+  float counted[kFitnessParticles];
   for (uint k = 0u; k < kFitnessParticles; ++k) {
     // Past the end the last particle is repeated and its result dropped.
     uint entry = 2u * (params.first_particle + min(first + k * share, params.particles - 1u));
     vec4 turn = quaternionOf(templates[entry + 1u].xyz * params.rotation_lengths.xyz);
     vec3 shift = templates[entry].xyz * params.translation_lengths.xyz;
+    rotation[k] = rotationOf(turn) * mat3(params.world_from_camera);
+    translation[k] = params.world_from_camera[3].xyz + shift;
+    if (kOverlapPerParticle) {
+      image_rotation[k] = mat3(overlap.image_from_world) * rotation[k];
+      image_translation[k] = (overlap.image_from_world * vec4(translation[k], 1.0)).xyz;
+    }
     // From metres in the camera to voxels from the page table's corner.
-    rotation[k] = rotationOf(turn) * mat3(params.world_from_camera) * volume.scale.y;
-    translation[k] = (params.world_from_camera[3].xyz + shift) * volume.scale.y - vec3(volume.table_origin.xyz * kBlockSide);
+    rotation[k] *= volume.scale.y;
+    translation[k] = translation[k] * volume.scale.y - vec3(volume.table_origin.xyz * kBlockSide);
     loss[k] = CompensatedSum(0.0, 0.0);
+    counted[k] = 0.0;
   }
 
   uint total = count[0];
@@ -49,12 +67,19 @@ void main() {
     for (uint k = 0u; k < kFitnessParticles; ++k) {
       float psi = tsdfNearest(rotation[k] * point + translation[k]);
       float term = kLoss == kLossSquared ? psi * psi : abs(psi);
+      if (kOverlapPerParticle) {
+        bool counts = inLastImage(image_rotation[k] * point + image_translation[k]);
+        term = counts ? term : 0.0;
+        counted[k] += counts ? 1.0 : 0.0;
+      }
       if (kCompensate) add(loss[k], term);
       else loss[k].sum += term;
     }
   }
   for (uint k = 0u; k < kFitnessParticles; ++k) {
     uint particle = first + k * share;
-    if (particle < params.particles) partial[slice * params.particles + particle] = vec2(loss[k].sum, loss[k].lost);
+    float points_counted = kOverlapPerParticle ? counted[k] : float(end - begin);
+    if (particle < params.particles)
+      partial[slice * params.particles + particle] = vec4(loss[k].sum, loss[k].lost, points_counted, 0.0);
   }
 }

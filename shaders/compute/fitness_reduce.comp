@@ -6,18 +6,21 @@
 
 layout(local_size_x = kFitnessReduceGroup) in;
 layout(push_constant) uniform Push { FitnessReduceParams params; };
-layout(std430, binding = kFitnessReduceBindPartial) readonly restrict buffer Partial { vec2 partial[]; };
-layout(std430, binding = kFitnessReduceBindCount) readonly restrict buffer Count { uint count[]; };
+layout(std430, binding = kFitnessReduceBindPartial) readonly restrict buffer Partial { vec4 partial[]; };
 layout(std430, binding = kFitnessReduceBindLoss) writeonly restrict buffer Loss { float loss[]; };
+layout(std430, binding = kFitnessReduceBindCounted) writeonly restrict buffer Counted { uint counted[]; };
 
 void main() {
   uint particle = gl_GlobalInvocationID.x;
   if (particle >= params.particles) return;
   CompensatedSum sum = CompensatedSum(0.0, 0.0);
+  float points = 0.0;  // exact: far fewer than 2^24
   for (uint slice = 0u; slice < params.slices; ++slice) {
-    vec2 part = partial[slice * params.particles + particle];
+    vec4 part = partial[slice * params.particles + particle];
     add(sum, part.x);
     add(sum, -part.y);
+    points += part.z;
   }
-  loss[particle] = count[0] > 0u ? sum.sum / float(count[0]) : -1.0;
+  loss[particle] = points > 0.0 ? sum.sum / points : -1.0;
+  counted[particle] = uint(points);
 }

@@ -5,7 +5,7 @@
 #include <optional>
 #include <set>
 
-#include "host/export/mesh_extraction.h"
+#include "host/run/mesh_extraction.h"
 #include "tests/engine/surface_scene.h"
 #include "tests/reference/extract_reference.h"
 

@@ -119,6 +119,55 @@ TEST_F(Fitness, RotationsBeyondHalfATurnStopThere) {
   EXPECT_TRUE(agrees(compare(expected(swarm_), losses(swarm_, 1)), kWideShare));
 }
 
+/// The points that the particle's pose puts into the image of a camera at `last` [eq:validness, per
+/// particle].
+std::vector<Eigen::Vector3d> pointsInView(const std::vector<Eigen::Vector3d>& points, const Pose& particle,
+                                          const Pose& last, double fx) {
+  std::vector<Eigen::Vector3d> seen;
+  for (const Eigen::Vector3d& p : points) {
+    const Eigen::Vector3d q = last.inverse() * (particle * p);
+    if (q.z() <= 0) continue;
+    const double u = fx * q.x() / q.z() + kOddCamera.cx, v = kOddCamera.fy * q.y() / q.z() + kOddCamera.cy;
+    if (std::lround(u) >= 0 && std::lround(v) >= 0 && std::lround(u) < kOddCamera.width &&
+        std::lround(v) < kOddCamera.height)
+      seen.push_back(p);
+  }
+  return seen;
+}
+
+TEST_F(Fitness, EachParticleCountsItsOwnOverlapWithTheLastView) {
+  Pose last = swarm_.centre;  // a turn to the side, so that the overlap differs from particle to particle
+  last.rotate(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()));
+  FitnessPass pass(device(), templates_, swarm_.loss, true, 3);
+  const auto& l = swarm_.lengths;
+  const LastView view{onDevice(Pose(last.inverse())), onDevice(kOddCamera)};
+  pass.record(run_->recorder, run_->volume, *points_,
+              {onDevice(swarm_.centre), glm::vec4(l[0], l[1], l[2], 0), glm::vec4(l[3], l[4], l[5], 0), 0,
+               kParticles},
+              &view);
+  run_->recorder.submit();
+
+  const reference::VoxelValues values(reference_contents_.blocks, reference_contents_.tsdf,
+                                      kVolume.voxel_size);
+  const auto ranges = [&](double fx) {
+    std::vector<reference::LossRange> out;
+    for (int i = 0; i < kParticles; ++i) {
+      const auto pose = reference::particlePose(swarm_.centre, entries_[i], swarm_.lengths);
+      const auto seen = pointsInView(reference_points_, pose, last, fx);
+      out.push_back(meanLoss(values, seen, pose, reference::LossKind::Squared));
+      // A point within rounding of the image's edge may be counted or not.
+      const double most_off = fx == kOddCamera.fx ? 1 : 1e9;
+      EXPECT_NEAR(pass.counted()[i], seen.size(), most_off) << "particle " << i;
+    }
+    return out;
+  };
+  const auto [least, most] = std::minmax_element(pass.counted().begin(), pass.counted().end());
+  EXPECT_LT(*least + 20, *most) << "the overlap must differ for the test to mean something";
+  EXPECT_LT(*most, reference_points_.size());
+  EXPECT_TRUE(agrees(compare(ranges(kOddCamera.fx), pass.losses()), kWideShare));
+  EXPECT_TRUE(differs(compare(ranges(kOddCamera.fx * 1.02), pass.losses())));
+}
+
 TEST_F(Fitness, ComparisonSeesAWrongCoefficient) {
   const auto measured = losses(swarm_, 1);
   EXPECT_TRUE(agrees(compare(expected(swarm_), measured), kWideShare));

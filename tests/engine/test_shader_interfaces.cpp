@@ -46,6 +46,7 @@ const std::map<std::string, ShaderStruct>& structsInCpp() {
              MEMBER(FitnessParams, translation_lengths), MEMBER(FitnessParams, rotation_lengths),
              MEMBER(FitnessParams, particles), MEMBER(FitnessParams, first_particle),
              MEMBER(FitnessParams, slices), MEMBER(FitnessParams, pad0)),
+      STRUCT(OverlapView, MEMBER(OverlapView, image_from_world), MEMBER(OverlapView, size)),
       STRUCT(FitnessReduceParams, MEMBER(FitnessReduceParams, particles),
              MEMBER(FitnessReduceParams, slices)),
       STRUCT(IntegrateParams, MEMBER(IntegrateParams, camera_from_world),

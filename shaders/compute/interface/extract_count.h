@@ -6,9 +6,10 @@
 namespace rosefusion::shader {
 #endif
 
-const uint kExtractGroup = 64u;    // one workgroup per block; an invocation owns a row of 8 voxels along x
-const uint kCaseTriangles = 5u;    // at most, of a cell
-const uint kCaseWords = 6u;        // of a case in the table: number of triangles, then each one's three edges, 4 bits each
+const uint kExtractGroup = 64u;  // one workgroup per block; an invocation owns a row of 8 voxels along x
+const uint kCaseTriangles = 5u;  // at most, of a cell
+const uint kCaseWords =
+    6u;  // of a case in the table: number of triangles, then each one's three edges, 4 bits each
 const uint kExtractCountBindLayout = 0u;
 const uint kExtractCountBindTable = 1u;
 const uint kExtractCountBindBlocks = 2u;  // ivec4 block coordinate per slot

@@ -1,6 +1,7 @@
 // Pass extract_emit: the vertices and triangles of the blocks that extract_count counted.
-// A vertex lies on the edge between a voxel and its next one along an axis, and belongs to that voxel's block. An edge's
-// number within its block is 3 * (voxel within the block) + axis; over all blocks, kBlockEdges * slot more.
+// A vertex lies on the edge between a voxel and its next one along an axis, and belongs to that voxel's
+// block. An edge's number within its block is 3 * (voxel within the block) + axis; over all blocks,
+// kBlockEdges * slot more.
 #ifndef ROSEFUSION_INTERFACE_EXTRACT_EMIT_H
 #define ROSEFUSION_INTERFACE_EXTRACT_EMIT_H
 #include "shaders/compute/interface/types.h"
@@ -39,7 +40,7 @@ struct ExtractVertex {
   float x;  // world frame, metres
   float y;
   float z;
-  uint edge;  // within its block
+  uint edge;       // within its block
   float normal_x;  // unit length, towards free space; 0 where the TSDF is flat
   float normal_y;
   float normal_z;

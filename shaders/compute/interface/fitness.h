@@ -11,20 +11,27 @@ const uint kFitnessParticles = 4u;  // particles per invocation
 const uint kFitnessBindLayout = 0u;
 const uint kFitnessBindTable = 1u;
 const uint kFitnessBindTsdf = 2u;  // kMaxPoolChunks bindings
-const uint kFitnessBindTemplates = 6u;  // two vec4 per particle: (x, y, z, 0), (qx, qy, qz, 0) in the unit ball
+const uint kFitnessBindTemplates =
+    6u;  // two vec4 per particle: (x, y, z, 0), (qx, qy, qz, 0) in the unit ball
 const uint kFitnessBindPoints = 7u;
 const uint kFitnessBindCount = 8u;
-const uint kFitnessBindPartial = 9u;  // vec2 per slice and particle: sum, compensation
-const uint kFitnessBindings = 10u;
+const uint kFitnessBindPartial = 9u;   // vec4 per slice and particle: sum, compensation, points counted, 0
+const uint kFitnessBindOverlap = 10u;  // OverlapView; read only with per-particle overlap
+const uint kFitnessBindings = 11u;
 const uint kLossSquared = 0u;   // psi^2: the paper
 const uint kLossAbsolute = 1u;  // |psi|
+
+struct OverlapView {
+  mat4 image_from_world;  // world point -> (u z, v z, z) in the last frame's camera
+  ivec4 size;             // width, height of its image
+};
 
 struct FitnessParams {
   mat4 world_from_camera;    // the swarm centre
   vec4 translation_lengths;  // axis lengths of the swarm, metres
   vec4 rotation_lengths;     // of the quaternion's imaginary part
   uint particles;
-  uint first_particle;       // of the template, in the template buffer
+  uint first_particle;  // of the template, in the template buffer
   uint slices;
   uint pad0;
 };

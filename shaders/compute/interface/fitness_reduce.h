@@ -8,8 +8,8 @@ namespace rosefusion::shader {
 
 const uint kFitnessReduceGroup = 64u;
 const uint kFitnessReduceBindPartial = 0u;
-const uint kFitnessReduceBindCount = 1u;
-const uint kFitnessReduceBindLoss = 2u;  // mean loss per particle; negative when no point was selected
+const uint kFitnessReduceBindLoss = 1u;     // mean loss per particle; negative when no point was counted
+const uint kFitnessReduceBindCounted = 2u;  // points counted per particle
 
 struct FitnessReduceParams {
   uint particles;

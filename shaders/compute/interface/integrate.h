@@ -8,8 +8,8 @@ namespace rosefusion::shader {
 
 const uint kIntegrateGroup = 64u;  // one workgroup per block; an invocation owns a row of 8 voxels along x
 const uint kIntegrateBindLayout = 0u;
-const uint kIntegrateBindBlocks = 1u;       // ivec4 block coordinate per slot
-const uint kIntegrateBindVisible = 2u;      // slots to update
+const uint kIntegrateBindBlocks = 1u;   // ivec4 block coordinate per slot
+const uint kIntegrateBindVisible = 2u;  // slots to update
 const uint kIntegrateBindDepth = 3u;
 const uint kIntegrateBindColourImage = 4u;  // one word per pixel, red in the low byte; unused without colour
 const uint kIntegrateBindTsdf = 5u;         // kMaxPoolChunks bindings

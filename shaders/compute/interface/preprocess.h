@@ -6,16 +6,16 @@
 namespace rosefusion::shader {
 #endif
 
-const uint kPreprocessGroup = 64u;  // invocations along x; one handles two neighbouring pixels
+const uint kPreprocessGroup = 64u;      // invocations along x; one handles two neighbouring pixels
 const uint kPreprocessBindRaw = 0u;     // two 16-bit depths per word
 const uint kPreprocessBindDepth = 1u;   // float metres, 0 = invalid
 const uint kPreprocessBindPoints = 2u;  // vec4 per pixel: camera-frame point, w = 1 where valid, else all 0
 
 struct PreprocessParams {
   vec4 focal_centre;
-  ivec4 size;          // width, height
+  ivec4 size;  // width, height
   float metres_per_unit;
-  float min_depth;     // metres; nearer and farther depths are invalid
+  float min_depth;  // metres; nearer and farther depths are invalid
   float max_depth;
   uint pad0;
 };

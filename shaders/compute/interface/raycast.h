@@ -12,9 +12,11 @@ const uint kRaycastBindTable = 1u;
 const uint kRaycastBindTsdf = 2u;  // kMaxPoolChunks bindings
 const uint kRaycastBindWeight = 6u;
 const uint kRaycastBindColour = 10u;
-const uint kRaycastBindVertices = 14u;  // vec4 per pixel: world-frame point, w = 1; all 0 where nothing was hit
-const uint kRaycastBindNormals = 15u;   // vec4 per pixel: world-frame unit normal towards free space, w = 1; or all 0
-const uint kRaycastBindPreview = 16u;   // one word per pixel: red in the low byte, alpha 255
+const uint kRaycastBindVertices =
+    14u;  // vec4 per pixel: world-frame point, w = 1; all 0 where nothing was hit
+const uint kRaycastBindNormals =
+    15u;  // vec4 per pixel: world-frame unit normal towards free space, w = 1; or all 0
+const uint kRaycastBindPreview = 16u;  // one word per pixel: red in the low byte, alpha 255
 const uint kRaycastBindTiles = 17u;    // RaycastTile of pass raycast_range
 const uint kRaycastBindSolid = 18u;    // its table of the blocks that can stop a ray
 const uint kRaycastBindings = 19u;

@@ -1,4 +1,5 @@
-// Pass raycast_range: which blocks can stop a ray, and between which depths they lie for each tile of the image.
+// Pass raycast_range: which blocks can stop a ray, and between which depths they lie for each tile of the
+// image.
 #ifndef ROSEFUSION_INTERFACE_RAYCAST_RANGE_H
 #define ROSEFUSION_INTERFACE_RAYCAST_RANGE_H
 #include "shaders/compute/interface/types.h"
@@ -14,7 +15,7 @@ const uint kRaycastRangeBindTsdf = 2u;   // kMaxPoolChunks bindings
 const uint kRaycastRangeBindTiles = 6u;  // RaycastTile, row by row
 const uint kRaycastRangeBindSolid = 7u;  // like the page table, with the solid blocks in view only
 const uint kRaycastRangeBindings = 8u;
-const uint kEmptyTile = 0xFFFFFFFFu;     // both words of a tile that sees no block
+const uint kEmptyTile = 0xFFFFFFFFu;  // both words of a tile that sees no block
 
 struct RaycastRangeParams {
   mat4 camera_from_world;
@@ -24,8 +25,8 @@ struct RaycastRangeParams {
   float far;
 };
 
-// Depths as the bits of positive floats, which order like the floats. The farthest is complemented, so that one fill
-// value and atomic minima serve both.
+// Depths as the bits of positive floats, which order like the floats. The farthest is complemented, so that
+// one fill value and atomic minima serve both.
 struct RaycastTile {
   uint nearest;
   uint farthest_complement;

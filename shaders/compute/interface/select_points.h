@@ -6,7 +6,8 @@
 namespace rosefusion::shader {
 #endif
 
-const uint kSelectGroup = 128u;  // one workgroup in all: its order is the grid order, so results are reproducible
+const uint kSelectGroup =
+    128u;  // one workgroup in all: its order is the grid order, so results are reproducible
 const uint kSelectBindPoints = 0u;
 const uint kSelectBindSelected = 1u;  // vec4 camera-frame points, compacted
 const uint kSelectBindCount = 2u;     // [0]: points selected, [1]: valid grid pixels

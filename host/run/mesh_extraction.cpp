@@ -1,4 +1,4 @@
-#include "host/export/mesh_extraction.h"
+#include "host/run/mesh_extraction.h"
 
 #include <algorithm>
 #include <limits>
