@@ -48,7 +48,7 @@ struct Case {
       templates.push_back(entry());
     }
     for (int i = 0; i < 200; ++i)
-      points.emplace_back(0.5f * unit(random), 0.4f * unit(random), 0.5f + 0.4f * unit(random), 1);
+      points.emplace_back(0.5f * unit(random), 0.15f * unit(random), 0.5f + 0.4f * unit(random), 1);
     const float c = std::cos(0.3f), s = std::sin(0.3f);
     swarm.world_from_camera = glm::mat4(c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, 0.02f, 0.15f, 0.05f, 1);
     swarm.translation_lengths = {0.1f, 0.05f, 0.2f, 0};
