@@ -1,4 +1,5 @@
 // Pass preprocess against its reference.
+#include <algorithm>
 #include <cmath>
 
 #include "tests/engine/scene_run.h"
@@ -63,6 +64,22 @@ TEST_P(Preprocess, ComparisonSeesAWrongCoefficient) {
 INSTANTIATE_TEST_SUITE_P(Cameras, Preprocess, kBothCameras, cameraName);
 
 class PreprocessInput : public ValidatingDevice {};
+
+TEST_F(PreprocessInput, TheInvalidCodesAreInvalidAtAnyRange) {
+  Sequence sequence = makeSequence(kOddCamera, 1, 12);
+  sequence.sensor.min_depth = 0;
+  sequence.sensor.max_depth = 20;  // 65535 units are 13 m
+  const auto& sensor = sequence.sensor;
+  const std::vector<std::uint16_t>& raw = sequence.images[0].depth;
+  PreprocessPass pass(device(), onDevice(kOddCamera));
+  Recorder recorder(device());
+  pass.record(recorder, raw, sensor.metres_per_unit, sensor.min_depth, sensor.max_depth);
+  recorder.submit();
+  const auto depth = readBack<float>(device(), pass.depth(), raw.size());
+  const auto points = readBack<float>(device(), pass.points(), 4 * raw.size());
+  EXPECT_TRUE(agrees(compare(preprocess(raw, kOddCamera, sensor), depth, points)));
+  EXPECT_GT(std::count(raw.begin(), raw.end(), 65535), 100);
+}
 
 TEST_F(PreprocessInput, WrongImageSizeIsAProgrammingError) {
   PreprocessPass pass(device(), onDevice(kPlainCamera));
