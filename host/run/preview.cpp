@@ -11,8 +11,9 @@ namespace rosefusion {
 namespace {
 
 const Intrinsics kView{1280, 800, 1150, 1150, 639.5, 399.5};
-constexpr double kElevation = 0.95;     // radians above the horizon
-constexpr double kFill = 0.75;          // of the picture's height that the model's bounding sphere takes
+constexpr double kElevation = 0.95;  // radians above the horizon
+constexpr double kFill =
+    1.3;  // bounding sphere over picture height; above 1, because rooms are flatter than spheres
 constexpr double kOutlierShare = 0.01;  // blocks cut at each end of an axis: stray depth far outside
 constexpr int kLineWidth = 2;
 
