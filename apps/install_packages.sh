@@ -13,7 +13,7 @@ packages=(
   mesa-vulkan-drivers libvulkan1 libvulkan-dev glslang-tools spirv-tools libspirv-cross-c-shared-dev
   libeigen3-dev libglm-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
   libembree-dev libassimp-dev libcli11-dev libspdlog-dev nlohmann-json3-dev libyaml-cpp-dev libnanoflann-dev
-  libbenchmark-dev gnuplot-nox
+  gnuplot-nox
 )
 case "${1:-}" in
   "") ;;

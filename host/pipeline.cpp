@@ -1,5 +1,7 @@
 #include "host/pipeline.h"
 
+#include <spdlog/spdlog.h>
+
 #include <chrono>
 #include <cstdio>
 
@@ -32,7 +34,11 @@ TemplateSet templatesFor(const Settings& s) {
   for (const SwarmLevel& level : s.swarm.levels) options.sizes.push_back(level.particles);
   options.count = s.tracking.templates_per_level;
   options.seed = s.tracking.seed;
-  return loadOrGenerate(defaultTemplateCache(options), options);
+  const auto say_once = [](int done, int) {
+    if (done == 1)
+      spdlog::info("generating the swarm templates, once for this user and these sizes: some 10 s");
+  };
+  return loadOrGenerate(defaultTemplateCache(options), options, say_once);
 }
 
 std::string percent(double share) {

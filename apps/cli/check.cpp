@@ -1,5 +1,4 @@
 // rosefusion check: looks through a sequence and says what is wrong with it before any time is spent on it.
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -8,6 +7,7 @@
 #include <sstream>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/progress.h"
 #include "host/datasets/inspection.h"
 #include "host/error.h"
 
@@ -21,17 +21,6 @@ struct CheckOptions {
   std::vector<double> intrinsics;  // fx fy cx cy, or empty
   double depth_units_per_metre = 0;
 };
-
-/// A bar that rewrites itself on a terminal; a line per quarter elsewhere.
-void showProgress(std::size_t done, std::size_t total) {
-  if (isatty(STDERR_FILENO)) {
-    const int width = 30, filled = static_cast<int>(width * done / total);
-    std::fprintf(stderr, "\rreading [%.*s%*s] %zu/%zu%s", filled, "##############################",
-                 width - filled, "", done, total, done == total ? "\r\033[K" : "");
-  } else if (done == total || 4 * done / total != 4 * (done - 1) / total) {
-    std::fprintf(stderr, "read %zu of %zu depth images\n", done, total);
-  }
-}
 
 /// One line of the report: a label and its text.
 void line(std::ostream& out, const char* label, const std::string& text) {
@@ -148,7 +137,11 @@ void check(const CheckOptions& options) {
     open.intrinsics = Intrinsics{0, 0, v[0], v[1], v[2], v[3]};
   if (options.depth_units_per_metre != 0) open.depth_units_per_metre = options.depth_units_per_metre;
   const auto sequence = openSequence(options.sequence, open);
-  const Inspection inspection = inspectSequence(*sequence, options.max_frames, showProgress);
+  const Inspection inspection = [&] {
+    Progress progress("depth images");
+    return inspectSequence(*sequence, options.max_frames,
+                           [&](std::size_t done, std::size_t total) { progress.update(done, total); });
+  }();
   // With the JSON on standard output, people read standard error.
   std::fputs(describe(sequence->info(), inspection).c_str(), options.json == "-" ? stderr : stdout);
   writeJson(options.json, toJson(sequence->info(), inspection).dump(2));

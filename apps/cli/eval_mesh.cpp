@@ -129,7 +129,7 @@ void addEvalMeshCommand(CLI::App& app) {
                       "Write the figures as JSON ('-': to standard output, no table)");
   command->footer(
       "Examples:\n"
-      "  rosefusion eval-mesh out/mesh.ply sequence/groundtruth_mesh.ply --json mesh.json\n"
+      "  rosefusion eval-mesh out/mesh.ply sequence/mesh_seen.ply --json mesh.json\n"
       "  rosefusion eval-mesh out/mesh.ply scan.ply --estimate-trajectory out/trajectory.txt \\\n"
       "      --truth-trajectory sequence/groundtruth.txt");
   command->callback([arguments] { evaluate(*arguments); });

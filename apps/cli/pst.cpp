@@ -1,5 +1,4 @@
 // rosefusion pst: makes, inspects and plots swarm templates.
-#include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
@@ -9,6 +8,7 @@
 #include <string>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/progress.h"
 #include "host/swarm/template_file.h"
 #include "host/swarm/template_plot.h"
 #include "host/swarm/template_statistics.h"
@@ -21,20 +21,14 @@ struct PstArguments {
   std::string out, inspect, plot, json;
 };
 
-void showProgress(int done, int total) {
-  static constexpr int kWidth = 40;
-  if (isatty(STDERR_FILENO)) {
-    const auto filled = static_cast<size_t>(kWidth * done / total);
-    std::fprintf(stderr, "\r[%s%s] %d of %d templates%s", std::string(filled, '#').c_str(),
-                 std::string(kWidth - filled, '.').c_str(), done, total, done == total ? "\n" : "");
-  } else if (done == total || done % 20 == 0) {
-    std::fprintf(stderr, "%d of %d templates\n", done, total);
-  }
-}
-
 TemplateSet makeTemplates(const TemplateOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  TemplateSet set = generateTemplates(options, showProgress);
+  TemplateSet set = [&] {
+    Progress progress("templates");
+    return generateTemplates(options, [&](int done, int total) {
+      progress.update(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
+    });
+  }();
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   std::fprintf(stderr, "generated in %.1f s\n", elapsed.count());
   return set;

@@ -138,9 +138,12 @@ void addRunCommand(CLI::App& app) {
   command->add_option("--device", o->device, "Device by index, name or type (see 'rosefusion devices')");
   command->add_option("--stride", o->run.stride, "Take every K-th frame")->check(CLI::Range(1, 1000000));
   command->add_option("--max-frames", o->run.max_frames, "Stop after N frames; 0: all");
-  command->add_option("--intrinsics", o->intrinsics, "fx fy cx cy in pixels, instead of the sequence's own")
+  command->add_option("--intrinsics", o->intrinsics, "fx,fy,cx,cy in pixels, instead of the sequence's own")
+      ->delimiter(',')
       ->expected(4);
-  command->add_option("--depth-scale", o->depth_scale, "Depth units per metre, instead of the sequence's own")
+  command
+      ->add_option("--depth-units-per-metre,--depth-scale", o->depth_scale,
+                   "Depth units per metre, instead of the sequence's own")
       ->check(CLI::PositiveNumber);
   command->add_option("--json", o->json, "Also write the report here; '-': standard output");
   command->add_flag("--validation", o->validation, "Run with the Vulkan validation layer (slow)");

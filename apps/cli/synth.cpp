@@ -1,5 +1,4 @@
 // rosefusion synth: makes a sequence with known truth.
-#include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
@@ -9,6 +8,7 @@
 #include <string>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/progress.h"
 #include "host/error.h"
 #include "host/synth/tum_writer.h"
 
@@ -58,29 +58,6 @@ void settle(Arguments& a) {
   if (a.options.motion == Motion::kReplay && !a.frames_given) a.options.frames = kAllFrames;
 }
 
-/// A bar on a terminal, a line every tenth elsewhere.
-class Progress {
- public:
-  void operator()(int done, int of) {
-    const int tenth = done * 10 / of;
-    const auto now = std::chrono::steady_clock::now();
-    if (isatty(STDERR_FILENO)) {
-      if (done < of && now - last_ < std::chrono::milliseconds(100)) return;
-      last_ = now;
-      const int filled = done * 30 / of;
-      std::fprintf(stderr, "\r[%-30s] %d/%d frames%s", std::string(filled, '#').c_str(), done, of,
-                   done == of ? "\n" : "");
-    } else if (tenth != tenth_) {
-      std::fprintf(stderr, "%d/%d frames\n", done, of);
-    }
-    tenth_ = tenth;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_;
-  int tenth_ = 0;
-};
-
 void run(Arguments& a) {
   settle(a);
   requirePlausible(a.options);
@@ -89,7 +66,12 @@ void run(Arguments& a) {
   const SynthPlan plan(a.options);
   if (a.frames_given && static_cast<int>(plan.truth().size()) < a.options.frames)
     std::fprintf(stderr, "the recording ends after %zu frames\n", plan.truth().size());
-  writeTumSequence(a.out, plan, a.force, Progress());
+  {
+    Progress progress("frames");
+    writeTumSequence(a.out, plan, a.force, [&](int done, int total) {
+      progress.update(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
+    });
+  }
   const MotionStatistics s = plan.statistics();
   if (a.json != "-")
     std::printf(
