@@ -116,7 +116,7 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
   if (result.status == TrackingStatus::Lost) return result;
   const StageTimer timer(result.milliseconds.integrate);
   integrate(result.world_from_camera);
-  last_ = result.world_from_camera;
+  tracker_.accept(result.world_from_camera, result.timestamp);
   started_ = true;
   return result;
 }
@@ -128,7 +128,8 @@ void Pipeline::preprocess(const Frame& frame) {
                      std::to_string(intrinsics_.height) + " pixels, as the camera was described.");
   preprocess_.record(recorder_, {depth.ptr<std::uint16_t>(), depth.total()},
                      static_cast<float>(1 / depth_units_per_metre_), static_cast<float>(settings_.depth.min),
-                     static_cast<float>(settings_.depth.max));
+                     static_cast<float>(settings_.depth.max), static_cast<float>(settings_.depth.edge_sigmas),
+                     toShader(settings_.depth));
   recorder_.submit();
   if (settings_.volume.colour && frame.colour.size() == depth.size() && frame.colour.type() == CV_8UC3)
     preprocess_.setColour(packColour(frame.colour));
@@ -137,18 +138,18 @@ void Pipeline::preprocess(const Frame& frame) {
 }
 
 void Pipeline::track(FrameResult& result) {
-  result.world_from_camera = last_;
-  result.score = tracker_.score(preprocess_, volume_, last_, last_);
+  result.world_from_camera = tracker_.last();
+  result.score = tracker_.score(preprocess_, volume_, tracker_.last());
   if (!started_) {
     result.score.residual = 0;  // there is no model yet to differ from
     judge(settings_.tracking, result);
     return;
   }
   if (result.score.valid_share < settings_.tracking.min_valid_share) return judge(settings_.tracking, result);
-  const TrackResult found = tracker_.track(preprocess_, volume_, last_);
+  const TrackResult found = tracker_.track(preprocess_, volume_, result.timestamp);
   result.iterations = found.iterations;
   result.lookups = found.lookups;
-  result.score = tracker_.score(preprocess_, volume_, found.world_from_camera, last_);
+  result.score = tracker_.score(preprocess_, volume_, found.world_from_camera);
   judge(settings_.tracking, result);
   if (result.status != TrackingStatus::Lost) result.world_from_camera = found.world_from_camera;
 }
@@ -160,7 +161,8 @@ void Pipeline::integrate(const Pose& world_from_camera) {
     recorder_.submit();
   } while (allocate_.finish(volume_));
   integrate_.record(recorder_, volume_, preprocess_, camera, toShader(world_from_camera.inverse()),
-                    static_cast<float>(settings_.depth.max + settings_.volume.truncation));
+                    static_cast<float>(settings_.depth.max + settings_.volume.truncation),
+                    toShader(settings_.depth));
   recorder_.submit();
 }
 

@@ -63,7 +63,6 @@ class Pipeline {
   AllocatePass allocate_;
   IntegratePass integrate_;
   Tracker tracker_;
-  Pose last_ = Pose::Identity();
   bool started_ = false;
 };
 

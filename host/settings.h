@@ -15,6 +15,9 @@ namespace rosefusion {
 struct DepthSettings {
   double min = 0.1;
   double max = 8.0;
+  double edge_sigmas = 0;
+  double noise_floor = 0.005;
+  double noise_growth = 0;
 };
 
 struct VolumeSettings {
@@ -40,6 +43,20 @@ struct TrackingSettings {
   double lost_residual = 0.6;
 };
 
+/// What goes beyond the paper: starts from a motion model and a descent onto the model's surface around the
+/// swarm.
+struct RefineSettings {
+  bool enabled = false;
+  int coarse_iterations = 10;
+  int iterations = 15;
+  int pixel_stride = 4;
+  double huber = 0.02;
+  int coarse_pixel_stride = 8;
+  double least_constraint = 0.001;
+  double motion_preference = 0.05;
+  double minimum_move = 5e-5;
+};
+
 struct MeshSettings {
   double min_weight = 2;
   int min_component = 100;
@@ -50,6 +67,7 @@ struct Settings {
   VolumeSettings volume;
   SwarmSettings swarm;
   TrackingSettings tracking;
+  RefineSettings refine;
   MeshSettings mesh;
 };
 

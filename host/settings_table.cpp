@@ -35,6 +35,11 @@ std::vector<SettingsField> makeTable() {
       return s.tracking.*member;
     };
   };
+  const auto R = [](auto member) {
+    return [member](Settings & s) -> auto& {
+      return s.refine.*member;
+    };
+  };
   using W = SwarmSettings;
   return {
       row(
@@ -43,6 +48,18 @@ std::vector<SettingsField> makeTable() {
       row(
           "depth.max", "m", 0.1, 60, "farther depths are invalid",
           [](Settings & s) -> auto& { return s.depth.max; }),
+      row(
+          "depth.edge_sigmas", "", 0, 1000,
+          "pixels that leave their neighbours' plane by more standard deviations are invalid; 0: edges are "
+          "kept",
+          [](Settings & s) -> auto& { return s.depth.edge_sigmas; }),
+      row(
+          "depth.noise_floor", "m", 1e-5, 1, "standard deviation of a depth close to the camera",
+          [](Settings & s) -> auto& { return s.depth.noise_floor; }),
+      row(
+          "depth.noise_growth", "1/m", 0, 1,
+          "its growth with (depth - 0.4 m)^2; 0: all depths weigh the same, as in the paper",
+          [](Settings & s) -> auto& { return s.depth.noise_growth; }),
 
       row(
           "volume.voxel_size", "m", 0.001, 0.5, "edge of a voxel",
@@ -111,6 +128,26 @@ std::vector<SettingsField> makeTable() {
           T(&TrackingSettings::uncertain_residual)),
       row("tracking.lost_residual", "truncations", 0, 1,
           "a larger RMS residual means lost: the frame is not fused", T(&TrackingSettings::lost_residual)),
+
+      row("refine.enabled", "", 0, 1,
+          "start from a motion model and descend onto the surface; off: the swarm alone, as in the paper",
+          R(&RefineSettings::enabled)),
+      row("refine.coarse_iterations", "", 1, 1000, "most steps of a start's descent",
+          R(&RefineSettings::coarse_iterations)),
+      row("refine.iterations", "", 1, 1000, "most steps of the last descent", R(&RefineSettings::iterations)),
+      row("refine.pixel_stride", "px", 1, 64, "every so many pixels are looked at",
+          R(&RefineSettings::pixel_stride)),
+      row("refine.huber", "m", 1e-4, 1, "larger residuals count linearly", R(&RefineSettings::huber)),
+      row("refine.coarse_pixel_stride", "px", 1, 64, "the same while starts are compared",
+          R(&RefineSettings::coarse_pixel_stride)),
+      row("refine.least_constraint", "", 0, 1,
+          "the motion model holds directions that the depth constrains less (1: as a plane does its normal)",
+          R(&RefineSettings::least_constraint)),
+      row("refine.motion_preference", "", 0, 1,
+          "share of the points by which an unexpected motion must explain the frame better",
+          R(&RefineSettings::motion_preference)),
+      row("refine.minimum_move", "m, rad", 0, 1, "a smaller step ends the descent",
+          R(&RefineSettings::minimum_move)),
 
       row(
           "mesh.min_weight", "frames", 0, 255, "voxels seen less often are left out of the mesh",

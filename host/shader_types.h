@@ -2,7 +2,9 @@
 #pragma once
 #include <glm/mat4x4.hpp>
 
+#include "engine/sensor_noise.h"
 #include "host/camera.h"
+#include "host/settings.h"
 #include "shaders/compute/interface/camera.h"
 
 namespace rosefusion {
@@ -16,6 +18,10 @@ inline glm::mat4 toShader(const Pose& pose) {
 
 inline shader::CameraIntrinsics toShader(const Intrinsics& k) {
   return {glm::vec4(k.fx, k.fy, k.cx, k.cy), glm::ivec4(k.width, k.height, 0, 0)};
+}
+
+inline SensorNoise toShader(const DepthSettings& depth) {
+  return {static_cast<float>(depth.noise_floor), static_cast<float>(depth.noise_growth)};
 }
 
 }  // namespace rosefusion

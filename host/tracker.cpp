@@ -1,28 +1,23 @@
 #include "host/tracker.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
-
-#include "host/error.h"
-#include "host/shader_types.h"
 
 namespace rosefusion {
 namespace {
 
-constexpr int kScoreStride = 8;
+constexpr int kVoxelsPerPoint = 27;          // that the descent reads
+constexpr std::size_t kRememberedCosts = 9;  // frames
+// A frame's cost is suspicious beyond this factor of the recent ones' median, and this much more.
+constexpr double kSuspiciousFactor = 1.3, kSuspiciousExcess = 0.05;
 
-std::vector<glm::vec4> flatten(const TemplateSet& set) {
-  std::vector<glm::vec4> out;
-  for (const auto& level : set.levels)
-    for (const SwarmTemplate& swarm_template : level)
-      for (const Particle& p : swarm_template.particles) {
-        out.emplace_back(p[0], p[1], p[2], 0);
-        out.emplace_back(p[3], p[4], p[5], 0);
-      }
-  return out;
-}
-
-glm::vec4 lengths(const Vector6& axis_lengths, int first) {
-  return {axis_lengths[first], axis_lengths[first + 1], axis_lengths[first + 2], 0};
+/// 0 for the expected pose, towards 1 beyond some centimetres or degrees.
+double unexpectedness(const Pose& pose, const Pose& expected) {
+  constexpr double kShift = 0.05, kTurn = 0.1;
+  const double shift = (pose.translation() - expected.translation()).norm() / kShift;
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(pose.linear() * expected.linear().transpose()));
+  return 1 - std::exp(-0.5 * (shift * shift + std::pow(turn.angle() / kTurn, 2)));
 }
 
 }  // namespace
@@ -30,73 +25,67 @@ glm::vec4 lengths(const Vector6& axis_lengths, int first) {
 Tracker::Tracker(Device& device, const Settings& settings, const Intrinsics& intrinsics,
                  TemplateSet templates)
     : settings_(settings),
-      templates_(std::move(templates)),
-      camera_(toShader(intrinsics)),
-      recorder_(device),
-      select_(device, toShader(intrinsics)),
-      fitness_(device, flatten(templates_),
-               settings.swarm.loss == FitnessLoss::kSquared ? Loss::Squared : Loss::Absolute,
-               settings.tracking.compensate) {
-  std::uint32_t offset = 0;
-  for (std::size_t level = 0; level < settings.swarm.levels.size(); ++level) {
-    const auto particles = static_cast<std::size_t>(settings.swarm.levels[level].particles);
-    if (level >= templates_.levels.size() || templates_.at(level, 0).particles.size() != particles)
-      throw InputError(
-          "The swarm templates do not fit swarm.levels; generate them with the same sizes (rosefusion pst).");
-    level_offsets_.push_back(offset);
-    offset += static_cast<std::uint32_t>(templates_.levels[level].size() * particles);
-  }
+      search_(device, settings, intrinsics, std::move(templates)),
+      refiner_(device, settings, intrinsics) {}
+
+void Tracker::search(const PreprocessPass& frame, const Volume& volume, const Pose& start,
+                     TrackResult& result) {
+  const SwarmResult found = search_.search(frame, volume, start, last_);
+  result.world_from_camera = found.world_from_camera;
+  result.iterations += found.iterations;
+  result.lookups += found.lookups;
 }
 
-void Tracker::evaluate(const PreprocessPass& frame, const Volume& volume, const PixelGrid& grid,
-                       const Pose& centre, const Pose& last, const SwarmPlacement& swarm) {
-  const glm::mat4 previous_from_current = toShader(last.inverse() * centre);
-  const Overlap overlap = settings_.tracking.overlap;
-  select_.record(recorder_, frame, grid, overlap == Overlap::kBestPose ? &previous_from_current : nullptr);
-  const LastView view{toShader(last.inverse()), camera_};
-  fitness_.record(recorder_, volume, select_, swarm, overlap == Overlap::kParticle ? &view : nullptr);
-  recorder_.submit();
+bool Tracker::suspicious(double cost) const {
+  if (costs_.empty()) return false;
+  std::vector<double> sorted(costs_.begin(), costs_.end());
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return cost > kSuspiciousFactor * *middle + kSuspiciousExcess;
 }
 
-TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, const Pose& last) {
+TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, double timestamp) {
   TrackResult result;
-  SwarmState state = beginFrame(settings_.swarm, last, previous_ ? &*previous_ : nullptr);
-  while (!state.stopped()) {
-    const SwarmLevel& level = settings_.swarm.levels[state.level];
-    const SwarmTemplate& swarm_template = templates_.at(state.level, state.serial);
-    const auto number = static_cast<std::uint32_t>(state.serial % templates_.levels[state.level].size());
-    const auto particles = static_cast<std::uint32_t>(level.particles);
-    const Eigen::Vector2i offset = pixelOffset(settings_.swarm, state);
-    evaluate(frame, volume, {level.pixel_stride, offset.x(), offset.y()}, state.centre, last,
-             {toShader(state.centre), lengths(state.axis_lengths, 0), lengths(state.axis_lengths, 3),
-              level_offsets_[state.level] + number * particles, particles});
-    result.lookups += std::uint64_t(particles) * select_.selected();
-    result.steps.push_back(
-        update(settings_.swarm, state, swarm_template, fitness_.losses(), fitness_.counted()));
+  if (!settings_.refine.enabled) {
+    search(frame, volume, last_, result);
+    return result;
   }
-  result.world_from_camera = state.centre;
-  result.iterations = state.iteration;
-  result.stop_reason = state.stop_reason;
-  previous_ = state;
+  const RefineSettings& s = settings_.refine;
+  const Pose expected = motion_.predict(timestamp);
+  PoseFit best;
+  double best_cost = 2;
+  const auto descendFrom = [&](const std::vector<Pose>& starts) {
+    for (const PoseFit& fit : refiner_.refine(volume, starts, s.coarse_iterations, expected)) {
+      const double cost = fit.cost + s.motion_preference * unexpectedness(fit.world_from_camera, expected);
+      if (cost >= best_cost) continue;
+      best_cost = cost;
+      best = fit;
+    }
+  };
+  const auto searchFrom = [&](const Pose& start) {
+    search(frame, volume, start, result);
+    descendFrom({result.world_from_camera});
+  };
+  refiner_.look(frame, s.coarse_pixel_stride);
+  descendFrom({expected, last_});
+  searchFrom(best.world_from_camera);  // ends after max_empty_sets iterations where nothing better is near
+  if (suspicious(best.cost)) {
+    searchFrom(expected);
+    searchFrom(last_);
+  }
+  costs_.push_back(best.cost);
+  if (costs_.size() > kRememberedCosts) costs_.pop_front();
+
+  refiner_.look(frame, s.pixel_stride);
+  result.fit = refiner_.refine(volume, std::vector<Pose>{best.world_from_camera}, s.iterations, expected)[0];
+  result.world_from_camera = result.fit->world_from_camera;
+  result.lookups += kVoxelsPerPoint * refiner_.takePointsRead();
   return result;
 }
 
-PoseScore Tracker::score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera,
-                         const Pose& last) {
-  // Particle 0 of any template is the zero move.
-  const SwarmPlacement one{toShader(world_from_camera), glm::vec4(0), glm::vec4(0), level_offsets_[0], 1};
-  const PixelGrid grid{kScoreStride, 0, 0};
-  const glm::mat4 previous_from_current = toShader(last.inverse() * world_from_camera);
-  select_.record(recorder_, frame, grid, &previous_from_current);
-  fitness_.record(recorder_, volume, select_, one);
-  recorder_.submit();
-  PoseScore score;
-  const double valid = select_.valid();
-  score.valid_share = valid / select_.cells();
-  if (valid > 0) score.overlap = select_.selected() / valid;
-  const double loss = fitness_.losses()[0];
-  if (loss >= 0) score.residual = settings_.swarm.loss == FitnessLoss::kSquared ? std::sqrt(loss) : loss;
-  return score;
+void Tracker::accept(const Pose& world_from_camera, double timestamp) {
+  motion_.add(world_from_camera, timestamp);
+  last_ = world_from_camera;
 }
 
 }  // namespace rosefusion

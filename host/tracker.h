@@ -1,53 +1,49 @@
-// Finds a frame's pose: the swarm's losses from the device, its update on the host [Algorithm pfopst].
+// Finds a frame's pose. As in the paper: the swarm from the last pose. With refine.enabled: starts from a
+// motion model, the swarm and a descent onto the surface compete, and a frame that fits worse than its
+// predecessors is searched for again, more widely.
 #pragma once
+#include <deque>
 #include <optional>
-#include <vector>
 
-#include "engine/passes/fitness.h"
-#include "host/settings.h"
-#include "host/swarm/swarm_update.h"
+#include "host/motion_model.h"
+#include "host/refiner.h"
+#include "host/swarm_search.h"
 
 namespace rosefusion {
 
-/// How well the depth fits the model at a pose, over the overlap with the last frame.
-struct PoseScore {
-  double residual = 1;     ///< in truncations: RMS of psi, or its mean size with swarm.loss = absolute
-  double overlap = 0;      ///< share of the valid pixels that fall inside the last frame's image
-  double valid_share = 0;  ///< share of the grid's pixels with valid depth
-};
-
 struct TrackResult {
   Pose world_from_camera = Pose::Identity();
-  int iterations = 0;
-  std::uint64_t lookups = 0;  ///< TSDF lookups spent
-  StopReason stop_reason = StopReason::kNone;
-  std::vector<SwarmStep> steps;
+  int iterations = 0;          ///< of the swarm
+  std::uint64_t lookups = 0;   ///< TSDF voxels read, by the swarm and the descent
+  std::optional<PoseFit> fit;  ///< where the descent ended; empty without it
 };
 
-/// Owns the swarm templates on the device and the swarm's state from frame to frame. One thread.
+/// One thread.
 class Tracker {
  public:
-  /// Throws InputError when the template set does not fit settings.swarm.levels.
   Tracker(Device& device, const Settings& settings, const Intrinsics& intrinsics, TemplateSet templates);
 
-  /// Pose of the frame held by `frame`, searched from `last` (the last frame's final pose).
-  TrackResult track(const PreprocessPass& frame, const Volume& volume, const Pose& last);
-  /// Fit of the frame at a pose; every 8th pixel, all of them counted for the shares.
-  PoseScore score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera,
-                  const Pose& last);
+  /// Pose of the frame held by `frame`. Call accept() where it is believed.
+  TrackResult track(const PreprocessPass& frame, const Volume& volume, double timestamp);
+  /// Tells that the frame at `timestamp` has this pose.
+  void accept(const Pose& world_from_camera, double timestamp);
+  /// Fit of the frame at a pose, over the overlap with the last accepted frame; every 8th pixel.
+  PoseScore score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera) {
+    return search_.score(frame, volume, world_from_camera, last_);
+  }
+  /// The last accepted pose; the identity before any.
+  const Pose& last() const { return last_; }
 
  private:
-  void evaluate(const PreprocessPass& frame, const Volume& volume, const PixelGrid& grid, const Pose& centre,
-                const Pose& last, const SwarmPlacement& swarm);
+  void search(const PreprocessPass& frame, const Volume& volume, const Pose& start, TrackResult& result);
+  bool suspicious(double cost) const;
 
   const Settings settings_;
-  TemplateSet templates_;
-  std::vector<std::uint32_t> level_offsets_;  ///< first particle of each level's first template on the device
-  shader::CameraIntrinsics camera_;
-  Recorder recorder_;
-  SelectPointsPass select_;
-  FitnessPass fitness_;
-  std::optional<SwarmState> previous_;
+  SwarmSearch search_;
+  Refiner refiner_;
+  MotionModel motion_;
+  std::deque<double> costs_;  ///< of the last frames
+  Pose last_ = Pose::Identity();
 };
 
 }  // namespace rosefusion

@@ -9,7 +9,8 @@ using namespace shader;
 IntegratePass::IntegratePass(Device& device) : device_(device) {}
 
 void IntegratePass::record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
-                           const CameraIntrinsics& camera, const glm::mat4& camera_from_world, float far) {
+                           const CameraIntrinsics& camera, const glm::mat4& camera_from_world, float far,
+                           const SensorNoise& noise) {
   volume.visibleBlocks(camera_from_world, camera.focal_centre, camera.size, far, slots_);
   if (slots_.empty()) return;
   const std::uint64_t bytes = 4 * slots_.size();
@@ -22,8 +23,13 @@ void IntegratePass::record(Recorder& recorder, const Volume& volume, const Prepr
                     {volume.chunks()});
   const bool colour = volume.options().colour && frame.hasColour();
   const IntegrateParams params{
-      camera_from_world, camera.focal_centre,
-      glm::ivec4(camera.size.x, camera.size.y, static_cast<int>(slots_.size()), colour)};
+      camera_from_world,
+      camera.focal_centre,
+      glm::ivec4(camera.size.x, camera.size.y, static_cast<int>(slots_.size()), colour),
+      noise.floor,
+      noise.growth,
+      0,
+      0};
   const Buffer* buffers[kIntegrateBindings] = {&volume.layoutBuffer(), &volume.blockBuffer(), &visible_,
                                                &frame.depth(), &frame.colour()};
   for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "engine/passes/preprocess.h"
+#include "engine/sensor_noise.h"
 #include "engine/volume.h"
 #include "shaders/compute/interface/integrate.h"
 
@@ -13,9 +14,10 @@ class IntegratePass {
   explicit IntegratePass(Device& device);
 
   /// Updates all allocated blocks that the camera can see up to `far` metres. The blocks around the surface
-  /// must have been allocated before (AllocatePass).
+  /// must have been allocated before (AllocatePass). A depth weighs (floor / deviation)^2 of `noise`.
   void record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
-              const shader::CameraIntrinsics& camera, const glm::mat4& camera_from_world, float far);
+              const shader::CameraIntrinsics& camera, const glm::mat4& camera_from_world, float far,
+              const SensorNoise& noise = {});
 
  private:
   Device& device_;

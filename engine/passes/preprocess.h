@@ -4,6 +4,7 @@
 #include <span>
 
 #include "engine/recorder.h"
+#include "engine/sensor_noise.h"
 #include "shaders/compute/interface/camera.h"
 #include "shaders/compute/interface/preprocess.h"
 
@@ -14,9 +15,11 @@ class PreprocessPass {
  public:
   PreprocessPass(Device& device, const shader::CameraIntrinsics& camera);
 
-  /// `raw`: width x height 16-bit depths, row by row; metres = value * metres_per_unit.
+  /// `raw`: width x height 16-bit depths, row by row; metres = value * metres_per_unit. `edge_sigmas` > 0
+  /// drops pixels at edges, where a camera sees neither surface right: those that leave the plane of their
+  /// neighbours by more than so many standard deviations of `noise`.
   void record(Recorder& recorder, std::span<const std::uint16_t> raw, float metres_per_unit, float min_depth,
-              float max_depth);
+              float max_depth, float edge_sigmas = 0, const SensorNoise& noise = {});
   /// `rgb`: one word 0x00BBGGRR per pixel (red in the low byte). Copies at once: call between submits.
   void setColour(std::span<const std::uint32_t> rgb);
 

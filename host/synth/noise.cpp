@@ -32,7 +32,7 @@ cv::Mat addHandaNoise(const cv::Mat& depth, Rng& rng) {
       const double du = kJitterPixels * rng.normal(), dv = kJitterPixels * rng.normal();
       const double error = kDisparitySigma * rng.normal();
       const double z = sampleDepth(depth, u + du, v + dv);
-      const double disparity = z > 0 ? std::round(kDisparityCm / (z * 100) + error + 0.5) : 0;
+      const double disparity = z > 0 ? std::floor(kDisparityCm / (z * 100) + error + 0.5) : 0;
       noisy.at<float>(v, u) = disparity > 0 ? static_cast<float>(kDisparityCm / disparity / 100) : 0.0f;
     }
   return noisy;

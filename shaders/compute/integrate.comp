@@ -9,6 +9,7 @@
 #define VOLUME_TSDF kIntegrateBindTsdf
 #define VOLUME_WEIGHT kIntegrateBindWeight
 #define VOLUME_COLOUR kIntegrateBindColour
+#include "shaders/compute/lib/depth_noise.glsl"
 #include "shaders/compute/lib/volume.glsl"
 POOL_WRITER(tsdf)
 POOL_WRITER(weight)
@@ -67,8 +68,9 @@ void main() {
         loaded = true;
       }
       float value = min(distance_ / truncation, 1.0);
-      tsdf[half_] = (tsdf[half_] * weight[half_] + value) / (weight[half_] + 1.0);
-      weight[half_] = min(weight[half_] + 1.0, max_weight);
+      float gain = max(depthWeight(params.noise_floor, params.noise_growth, z), 1.0 / kWeightOne);
+      tsdf[half_] = (tsdf[half_] * weight[half_] + value * gain) / (weight[half_] + gain);
+      weight[half_] = min(weight[half_] + gain, max_weight);
       changed = true;
       if (params.size.w != 0 && distance_ < truncation)
         fuseColour(chunk, first_colour + 2u * pair + half_, colour_image[pixel]);

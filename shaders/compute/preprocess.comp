@@ -1,8 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// 16-bit depth to metres and camera-frame points; 0, 65535 and what lies outside the range is invalid. No smoothing:
-// the paper tracks on raw depth.
+// 16-bit depth to metres and camera-frame points; 0, 65535 and what lies outside the range is invalid, and, on demand,
+// pixels where the surface bends or jumps by more than the sensor's noise. No smoothing: the paper tracks on raw depth.
 #include "shaders/compute/interface/preprocess.h"
+#include "shaders/compute/lib/depth_noise.glsl"
 
 layout(local_size_x = kPreprocessGroup) in;
 layout(push_constant) uniform Push { PreprocessParams params; };
@@ -10,13 +11,35 @@ layout(std430, binding = kPreprocessBindRaw) readonly restrict buffer Raw { uint
 layout(std430, binding = kPreprocessBindDepth) writeonly restrict buffer Depth { float depth[]; };
 layout(std430, binding = kPreprocessBindPoints) writeonly restrict buffer Points { vec4 points[]; };
 
-void convert(uint pixel, uint value) {
+// Metres; 0 where invalid.
+float metresOf(uint value) {
   float z = float(value) * params.metres_per_unit;
-  bool valid = value != 0u && value != 65535u && z >= params.min_depth && z <= params.max_depth;
-  vec2 uv = vec2(pixel % uint(params.size.x), pixel / uint(params.size.x));
-  vec2 ray = (uv - params.focal_centre.zw) / params.focal_centre.xy;
-  depth[pixel] = valid ? z : 0.0;
-  points[pixel] = valid ? vec4(ray * z, z, 1.0) : vec4(0.0);
+  return value != 0u && value != 65535u && z >= params.min_depth && z <= params.max_depth ? z : 0.0;
+}
+
+float metresAt(ivec2 at) {
+  if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, params.size.xy))) return 0.0;
+  uint pixel = uint(at.y * params.size.x + at.x);
+  return metresOf((raw[pixel >> 1] >> (16u * (pixel & 1u))) & 0xFFFFu);
+}
+
+// On a plane 1 / z is linear in the image, however steep the plane is.
+bool bends(float before, float z, float after) {
+  if (before == 0.0 || after == 0.0) return false;
+  float bend = abs(1.0 / before + 1.0 / after - 2.0 / z) * z * z;
+  return bend > params.edge_sigmas * depthNoise(params.noise_floor, params.noise_growth, z);
+}
+
+void convert(uint pixel, uint value) {
+  ivec2 at = ivec2(pixel % uint(params.size.x), pixel / uint(params.size.x));
+  float z = metresOf(value);
+  if (z > 0.0 && params.edge_sigmas > 0.0) {
+    const ivec2 kX = ivec2(kEdgeReach, 0), kY = ivec2(0, kEdgeReach);
+    if (bends(metresAt(at - kX), z, metresAt(at + kX)) || bends(metresAt(at - kY), z, metresAt(at + kY))) z = 0.0;
+  }
+  vec2 ray = (vec2(at) - params.focal_centre.zw) / params.focal_centre.xy;
+  depth[pixel] = z;
+  points[pixel] = z > 0.0 ? vec4(ray * z, z, 1.0) : vec4(0.0);
 }
 
 void main() {

@@ -20,7 +20,11 @@ const uint kIntegrateBindings = 17u;
 struct IntegrateParams {
   mat4 camera_from_world;
   vec4 focal_centre;
-  ivec4 size;  // width, height, listed blocks, 1 when colour is fused
+  ivec4 size;         // width, height, listed blocks, 1 when colour is fused
+  float noise_floor;  // see lib/depth_noise.glsl; the weight of a depth is its inverse variance, 1 when near
+  float noise_growth;
+  uint pad0;
+  uint pad1;
 };
 
 #ifdef __cplusplus

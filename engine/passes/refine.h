@@ -1,0 +1,43 @@
+// Pass refine: the normal equations that move a pose onto the model's surface, for several poses at once.
+#pragma once
+#include <array>
+#include <map>
+#include <span>
+
+#include "engine/passes/select_points.h"
+#include "engine/sensor_noise.h"
+#include "engine/volume.h"
+#include "shaders/compute/interface/refine.h"
+
+namespace rosefusion {
+
+/// A residual weighs (floor / deviation)^2 of the noise, less beyond `huber` (metres), where it counts
+/// linearly.
+struct RefineWeights {
+  float huber = 0.02f;
+  SensorNoise noise;
+};
+
+/// Sums over the points at one pose, indexed by the kRefine... constants of
+/// shaders/compute/interface/refine.h.
+using RefineSums = std::array<double, shader::kRefineSums>;
+
+class RefinePass {
+ public:
+  explicit RefinePass(Device& device);
+
+  /// At each of `world_from_camera`. Points without a distance (truncated or unobserved voxels beside them)
+  /// count only in the costs.
+  void record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points,
+              std::span<const glm::mat4> world_from_camera, const RefineWeights& weights);
+  /// After the submit: one entry per pose, in their order.
+  std::vector<RefineSums> sums() const;
+
+ private:
+  Device& device_;
+  std::map<std::uint32_t, Kernel> kernels_;  ///< by number of pool chunks
+  Buffer candidates_, sums_;
+  std::uint32_t count_ = 0, parts_ = 0;
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,13 @@
+// How a depth camera errs.
+#pragma once
+
+namespace rosefusion {
+
+/// Standard deviation of a depth z, metres: floor + growth (z - 0.4 m)^2 (Nguyen, Izadi and Lovell 2012). The
+/// default makes all depths alike.
+struct SensorNoise {
+  float floor = 0.005f;
+  float growth = 0;  ///< 1 / metre
+};
+
+}  // namespace rosefusion

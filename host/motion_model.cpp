@@ -1,0 +1,36 @@
+#include "host/motion_model.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+namespace rosefusion {
+namespace {
+
+constexpr double kLongest = 0.2;  // seconds that a velocity is believed
+
+}  // namespace
+
+void MotionModel::add(const Pose& world_from_camera, double timestamp) {
+  before_ = last_;
+  if (before_ && !(before_->timestamp < timestamp)) before_.reset();
+  last_ = {world_from_camera, timestamp};
+}
+
+Pose MotionModel::predict(double timestamp) const {
+  if (!last_) return Pose::Identity();
+  Pose out = last_->world_from_camera;
+  if (!before_) return out;
+  const double passed = last_->timestamp - before_->timestamp;
+  if (passed > kLongest) return out;
+  const double share = std::clamp(timestamp - last_->timestamp, 0.0, kLongest) / passed;
+  out.translation() += share * (out.translation() - before_->world_from_camera.translation());
+  const Eigen::AngleAxisd turn(
+      Eigen::Matrix3d(out.linear() * before_->world_from_camera.linear().transpose()));
+  out.linear() = (Eigen::Quaterniond(Eigen::AngleAxisd(share * turn.angle(), turn.axis())) *
+                  Eigen::Quaterniond(out.linear()))
+                     .normalized()
+                     .toRotationMatrix();
+  return out;
+}
+
+}  // namespace rosefusion

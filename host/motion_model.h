@@ -1,0 +1,27 @@
+// What the camera's past motion says about its next pose.
+#pragma once
+#include <optional>
+
+#include "host/camera.h"
+
+namespace rosefusion {
+
+/// Constant velocity, linear in the world and angular about the camera's centre, from the last two poses.
+class MotionModel {
+ public:
+  /// Timestamps must grow; a pose with an older one starts anew.
+  void add(const Pose& world_from_camera, double timestamp);
+  /// The last pose carried on; as it is where no velocity is known. Velocities fade when nothing was added
+  /// for long.
+  Pose predict(double timestamp) const;
+  void forgetVelocity() { before_.reset(); }
+
+ private:
+  struct Stamped {
+    Pose world_from_camera;
+    double timestamp;
+  };
+  std::optional<Stamped> last_, before_;
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,103 @@
+#include "host/swarm_search.h"
+
+#include <cmath>
+
+#include "host/error.h"
+#include "host/shader_types.h"
+
+namespace rosefusion {
+namespace {
+
+constexpr int kScoreStride = 8;
+
+std::vector<glm::vec4> flatten(const TemplateSet& set) {
+  std::vector<glm::vec4> out;
+  for (const auto& level : set.levels)
+    for (const SwarmTemplate& swarm_template : level)
+      for (const Particle& p : swarm_template.particles) {
+        out.emplace_back(p[0], p[1], p[2], 0);
+        out.emplace_back(p[3], p[4], p[5], 0);
+      }
+  return out;
+}
+
+glm::vec4 lengths(const Vector6& axis_lengths, int first) {
+  return {axis_lengths[first], axis_lengths[first + 1], axis_lengths[first + 2], 0};
+}
+
+}  // namespace
+
+SwarmSearch::SwarmSearch(Device& device, const Settings& settings, const Intrinsics& intrinsics,
+                         TemplateSet templates)
+    : settings_(settings),
+      templates_(std::move(templates)),
+      camera_(toShader(intrinsics)),
+      recorder_(device),
+      select_(device, toShader(intrinsics)),
+      fitness_(device, flatten(templates_),
+               settings.swarm.loss == FitnessLoss::kSquared ? Loss::Squared : Loss::Absolute,
+               settings.tracking.compensate) {
+  std::uint32_t offset = 0;
+  for (std::size_t level = 0; level < settings.swarm.levels.size(); ++level) {
+    const auto particles = static_cast<std::size_t>(settings.swarm.levels[level].particles);
+    if (level >= templates_.levels.size() || templates_.at(level, 0).particles.size() != particles)
+      throw InputError(
+          "The swarm templates do not fit swarm.levels; generate them with the same sizes (rosefusion pst).");
+    level_offsets_.push_back(offset);
+    offset += static_cast<std::uint32_t>(templates_.levels[level].size() * particles);
+  }
+}
+
+void SwarmSearch::evaluate(const PreprocessPass& frame, const Volume& volume, const PixelGrid& grid,
+                           const Pose& centre, const Pose& last, const SwarmPlacement& swarm) {
+  const glm::mat4 previous_from_current = toShader(last.inverse() * centre);
+  const Overlap overlap = settings_.tracking.overlap;
+  select_.record(recorder_, frame, grid, overlap == Overlap::kBestPose ? &previous_from_current : nullptr);
+  const LastView view{toShader(last.inverse()), camera_};
+  fitness_.record(recorder_, volume, select_, swarm, overlap == Overlap::kParticle ? &view : nullptr);
+  recorder_.submit();
+}
+
+SwarmResult SwarmSearch::search(const PreprocessPass& frame, const Volume& volume, const Pose& start,
+                                const Pose& last) {
+  SwarmResult result;
+  SwarmState state = beginFrame(settings_.swarm, start, previous_ ? &*previous_ : nullptr);
+  while (!state.stopped()) {
+    const SwarmLevel& level = settings_.swarm.levels[state.level];
+    const SwarmTemplate& swarm_template = templates_.at(state.level, state.serial);
+    const auto number = static_cast<std::uint32_t>(state.serial % templates_.levels[state.level].size());
+    const auto particles = static_cast<std::uint32_t>(level.particles);
+    const Eigen::Vector2i offset = pixelOffset(settings_.swarm, state);
+    evaluate(frame, volume, {level.pixel_stride, offset.x(), offset.y()}, state.centre, last,
+             {toShader(state.centre), lengths(state.axis_lengths, 0), lengths(state.axis_lengths, 3),
+              level_offsets_[state.level] + number * particles, particles});
+    result.lookups += std::uint64_t(particles) * select_.selected();
+    result.steps.push_back(
+        update(settings_.swarm, state, swarm_template, fitness_.losses(), fitness_.counted()));
+  }
+  result.world_from_camera = state.centre;
+  result.iterations = state.iteration;
+  result.stop_reason = state.stop_reason;
+  previous_ = state;
+  return result;
+}
+
+PoseScore SwarmSearch::score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera,
+                             const Pose& last) {
+  // Particle 0 of any template is the zero move.
+  const SwarmPlacement one{toShader(world_from_camera), glm::vec4(0), glm::vec4(0), level_offsets_[0], 1};
+  const PixelGrid grid{kScoreStride, 0, 0};
+  const glm::mat4 previous_from_current = toShader(last.inverse() * world_from_camera);
+  select_.record(recorder_, frame, grid, &previous_from_current);
+  fitness_.record(recorder_, volume, select_, one);
+  recorder_.submit();
+  PoseScore score;
+  const double valid = select_.valid();
+  score.valid_share = valid / select_.cells();
+  if (valid > 0) score.overlap = select_.selected() / valid;
+  const double loss = fitness_.losses()[0];
+  if (loss >= 0) score.residual = settings_.swarm.loss == FitnessLoss::kSquared ? std::sqrt(loss) : loss;
+  return score;
+}
+
+}  // namespace rosefusion

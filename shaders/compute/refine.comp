@@ -1,0 +1,88 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Normal equations of the distance between the selected points and the model's surface (trilinear TSDF value, smooth
+// gradient) at several candidate poses; robust and weighted by the sensor's noise. One workgroup per candidate and part of the
+// points; all sums compensated.
+#include "shaders/compute/interface/refine.h"
+
+#define VOLUME_ACCESS readonly
+#define VOLUME_LAYOUT kRefineBindLayout
+#define VOLUME_TABLE kRefineBindTable
+#define VOLUME_TSDF kRefineBindTsdf
+#include "shaders/compute/lib/compensated_sum.glsl"
+#include "shaders/compute/lib/depth_noise.glsl"
+#include "shaders/compute/lib/volume.glsl"
+
+#include "shaders/compute/lib/interpolate.glsl"
+
+layout(local_size_x = kRefineGroup) in;
+layout(push_constant) uniform Push { RefineParams params; };
+layout(std430, binding = kRefineBindPoints) readonly restrict buffer Points { vec4 points[]; };
+layout(std430, binding = kRefineBindCount) readonly restrict buffer Count { uint count[]; };
+layout(std430, binding = kRefineBindCandidates) readonly restrict buffer Candidates { mat4 candidates[]; };
+layout(std430, binding = kRefineBindSums) writeonly restrict buffer Sums { float sums[]; };
+
+shared float s_sums[kRefineSums * kRefineGroup];
+
+const float kTruncated = 0.999;  // of a stored value: beyond, the voxel tells no distance
+
+float robust(float distance_) {
+  float a = abs(distance_);
+  return a <= params.huber ? 0.5 * a * a : params.huber * (a - 0.5 * params.huber);
+}
+
+bool insideTruncation(Cell c) {
+  vec4 most = max(abs(c.low), abs(c.high));
+  return max(max(most.x, most.y), max(most.z, most.w)) < kTruncated;
+}
+
+void main() {
+  uint lane = gl_LocalInvocationID.x, part = gl_WorkGroupID.x, candidate = gl_WorkGroupID.y;
+  mat3 turn = mat3(candidates[candidate]);
+  vec3 shift = candidates[candidate][3].xyz * volume.scale.y - vec3(volume.table_origin.xyz * kBlockSide);
+  vec3 last = vec3(volume.table_size.xyz * kBlockSide) - 3.0;
+  float truncation = volume.scale.z;
+  float most = robust(truncation);  // cost of a point that finds no surface
+  CompensatedSum sum[kRefineSums];
+  for (uint k = 0u; k < kRefineSums; ++k) sum[k] = CompensatedSum(0.0, 0.0);
+
+  uint total = count[0];
+  uint begin = total * part / params.parts, end = total * (part + 1u) / params.parts;
+  for (uint i = begin + lane; i < end; i += kRefineGroup) {
+    vec3 p = points[i].xyz;
+    vec3 arm = turn * p;
+    float weight = depthWeight(params.noise_floor, params.noise_growth, p.z);
+    // Poses are told apart by how much of the image they explain: in the cost, noise matters only beyond huber.
+    float noise = depthNoise(params.noise_floor, params.noise_growth, p.z) / params.huber;
+    float cost_weight = 1.0 / (1.0 + noise * noise);
+    add(sum[kRefineMostCost], cost_weight * most);
+    // Outside the table the border blocks are read, which hold no distance.
+    vec3 position = clamp(arm * volume.scale.y + shift, vec3(2.0), last);
+    bool usable = insideTruncation(cellAt(position));
+    Neighbourhood near = neighbourhoodOf(position);
+    float residual = near.value * truncation;
+    add(sum[kRefineCost], cost_weight * (usable ? robust(residual) : most));
+    if (!usable) continue;
+    add(sum[kRefineCostWeight], cost_weight);
+    // The smooth gradient: that of a cell alone is so noisy that a flat wall seems to hold shifts along it.
+    vec3 slope = near.gradient * (truncation * volume.scale.y);
+    vec3 moment = cross(arm, slope);
+    float jacobian[6] = float[6](slope.x, slope.y, slope.z, moment.x, moment.y, moment.z);
+    weight *= min(1.0, params.huber / max(abs(residual), 1e-9));
+    uint entry = kRefineHessian;
+    for (uint row = 0u; row < 6u; ++row) {
+      float scaled = weight * jacobian[row];
+      for (uint column = row; column < 6u; ++column) add(sum[entry++], scaled * jacobian[column]);
+      add(sum[kRefineGradient + row], scaled * residual);
+    }
+    add(sum[kRefineUsable], 1.0);
+    add(sum[kRefineClose], abs(residual) < params.huber ? 1.0 : 0.0);
+  }
+
+  for (uint k = 0u; k < kRefineSums; ++k) s_sums[k * kRefineGroup + lane] = sum[k].sum - sum[k].lost;
+  barrier();
+  if (lane >= kRefineSums) return;
+  CompensatedSum all = CompensatedSum(0.0, 0.0);
+  for (uint i = 0u; i < kRefineGroup; ++i) add(all, s_sums[lane * kRefineGroup + i]);
+  sums[(candidate * params.parts + part) * kRefineSums + lane] = all.sum - all.lost;
+}
