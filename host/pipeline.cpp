@@ -69,6 +69,22 @@ void judge(const TrackingSettings& limits, FrameResult& result) {
   }
 }
 
+constexpr double kCloseAmongUsable = 0.75;
+constexpr int kConfirmations = 2;  // frames after the one that was found again
+
+/// Whether a pose that was searched in the whole model may be believed: most of the image must lie on it.
+bool confirms(const TrackingSettings& limits, const PoseFit& fit) {
+  return fit.usable >= limits.relocalised_share && fit.close >= kCloseAmongUsable * fit.usable;
+}
+
+/// A pose whose depth leaves a direction open is held there by the motion model, and may drift.
+void judgeConstraint(const RefineSettings& limits, FrameResult& result) {
+  if (!result.fit || result.status != TrackingStatus::Tracked) return;
+  if (result.fit->constraint >= limits.least_constraint) return;
+  result.status = TrackingStatus::Uncertain;
+  result.reason = "the depth leaves a direction open, as a flat wall does; past motion holds it";
+}
+
 std::vector<std::uint32_t> packColour(const cv::Mat& bgr) {
   std::vector<std::uint32_t> rgb;
   rgb.reserve(bgr.total());
@@ -85,6 +101,7 @@ std::vector<std::uint32_t> packColour(const cv::Mat& bgr) {
 const char* toString(TrackingStatus status) {
   return status == TrackingStatus::Tracked     ? "tracked"
          : status == TrackingStatus::Uncertain ? "uncertain"
+         : status == TrackingStatus::Relocalised ? "relocalised"
                                                : "lost";
 }
 
@@ -113,11 +130,17 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
     const StageTimer timer(result.milliseconds.track);
     track(result);
   }
-  if (result.status == TrackingStatus::Lost) return result;
-  const StageTimer timer(result.milliseconds.integrate);
-  integrate(result.world_from_camera);
-  tracker_.accept(result.world_from_camera, result.timestamp);
-  started_ = true;
+  if (result.status == TrackingStatus::Lost) {
+    if (started_) tracker_.lose();
+    return result;
+  }
+  const bool fuse = result.status != TrackingStatus::Relocalised;
+  if (fuse) {
+    const StageTimer timer(result.milliseconds.integrate);
+    integrate(result.world_from_camera);
+    started_ = true;
+  }
+  tracker_.accept(result.world_from_camera, result.timestamp, fuse);
   return result;
 }
 
@@ -149,8 +172,18 @@ void Pipeline::track(FrameResult& result) {
   const TrackResult found = tracker_.track(preprocess_, volume_, result.timestamp);
   result.iterations = found.iterations;
   result.lookups = found.lookups;
-  result.score = tracker_.score(preprocess_, volume_, found.world_from_camera);
-  judge(settings_.tracking, result);
+  result.fit = found.fit;
+  if (tracker_.isLost() || unconfirmed_ > 0) {
+    const bool agrees = confirms(settings_.tracking, *found.fit);
+    unconfirmed_ = !agrees ? 0 : tracker_.isLost() ? kConfirmations : unconfirmed_ - 1;
+    result.status = agrees ? TrackingStatus::Relocalised : TrackingStatus::Lost;
+    result.reason = agrees ? "found again; fused once the next frames agree"
+                           : "the frame fits nowhere in the model surely enough";
+  } else {
+    result.score = tracker_.score(preprocess_, volume_, found.world_from_camera);
+    judge(settings_.tracking, result);
+    judgeConstraint(settings_.refine, result);
+  }
   if (result.status != TrackingStatus::Lost) result.world_from_camera = found.world_from_camera;
 }
 

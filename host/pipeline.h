@@ -9,7 +9,8 @@
 
 namespace rosefusion {
 
-enum class TrackingStatus { Tracked, Uncertain, Lost };
+/// Relocalised: found again in the model after being lost, and not fused until the next frames agree.
+enum class TrackingStatus { Tracked, Uncertain, Relocalised, Lost };
 const char* toString(TrackingStatus status);
 
 struct StageMilliseconds {
@@ -26,6 +27,7 @@ struct FrameResult {
   TrackingStatus status = TrackingStatus::Lost;
   std::string reason;  ///< plain words; empty when tracked
   PoseScore score;     ///< the numbers behind the status
+  std::optional<PoseFit> fit;  ///< and those of the descent, where there was one
   int iterations = 0;
   std::uint64_t lookups = 0;
   StageMilliseconds milliseconds;
@@ -64,6 +66,7 @@ class Pipeline {
   IntegratePass integrate_;
   Tracker tracker_;
   bool started_ = false;
+  int unconfirmed_ = 0;  ///< frames that must still agree before frames are fused again
 };
 
 }  // namespace rosefusion

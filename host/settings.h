@@ -41,6 +41,7 @@ struct TrackingSettings {
   double uncertain_overlap = 0.3;
   double uncertain_residual = 0.35;
   double lost_residual = 0.6;
+  double relocalised_share = 0.75;
 };
 
 /// What goes beyond the paper: starts from a motion model and a descent onto the model's surface around the

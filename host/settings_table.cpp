@@ -128,6 +128,9 @@ std::vector<SettingsField> makeTable() {
           T(&TrackingSettings::uncertain_residual)),
       row("tracking.lost_residual", "truncations", 0, 1,
           "a larger RMS residual means lost: the frame is not fused", T(&TrackingSettings::lost_residual)),
+      row("tracking.relocalised_share", "", 0, 1,
+          "once lost, a pose is believed when this share of the pixels meets the model",
+          T(&TrackingSettings::relocalised_share)),
 
       row("refine.enabled", "", 0, 1,
           "start from a motion model and descend onto the surface; off: the swarm alone, as in the paper",

@@ -21,7 +21,7 @@ std::vector<glm::vec4> flatten(const TemplateSet& set) {
   return out;
 }
 
-glm::vec4 lengths(const Vector6& axis_lengths, int first) {
+glm::vec4 shaderLengths(const Vector6& axis_lengths, int first) {
   return {axis_lengths[first], axis_lengths[first + 1], axis_lengths[first + 2], 0};
 }
 
@@ -69,7 +69,7 @@ SwarmResult SwarmSearch::search(const PreprocessPass& frame, const Volume& volum
     const auto particles = static_cast<std::uint32_t>(level.particles);
     const Eigen::Vector2i offset = pixelOffset(settings_.swarm, state);
     evaluate(frame, volume, {level.pixel_stride, offset.x(), offset.y()}, state.centre, last,
-             {toShader(state.centre), lengths(state.axis_lengths, 0), lengths(state.axis_lengths, 3),
+             {toShader(state.centre), shaderLengths(state.axis_lengths, 0), shaderLengths(state.axis_lengths, 3),
               level_offsets_[state.level] + number * particles, particles});
     result.lookups += std::uint64_t(particles) * select_.selected();
     result.steps.push_back(
@@ -80,6 +80,32 @@ SwarmResult SwarmSearch::search(const PreprocessPass& frame, const Volume& volum
   result.stop_reason = state.stop_reason;
   previous_ = state;
   return result;
+}
+
+std::vector<ScannedPose> SwarmSearch::scan(const PreprocessPass& frame, const Volume& volume,
+                                           std::span<const Pose> poses, double shift, double turn) {
+  const std::size_t level = settings_.swarm.levels.size() / 2;
+  const SwarmTemplate& swarm_template = templates_.at(level, 0);
+  Vector6 lengths;
+  lengths << Eigen::Vector3d::Constant(shift), Eigen::Vector3d::Constant(turn);
+  const int stride = settings_.swarm.levels.front().pixel_stride;
+  std::vector<ScannedPose> found;
+  for (const Pose& pose : poses) {
+    select_.record(recorder_, frame, {stride, stride / 2, stride / 2}, nullptr);
+    fitness_.record(recorder_, volume, select_,
+                    {toShader(pose), shaderLengths(lengths, 0), shaderLengths(lengths, 3), level_offsets_[level],
+                     static_cast<std::uint32_t>(swarm_template.particles.size())});
+    recorder_.submit();
+    const auto losses = fitness_.losses();
+    ScannedPose best;
+    for (std::size_t i = 0; i < losses.size(); ++i) {
+      if (losses[i] < 0 || losses[i] >= best.loss) continue;
+      best.loss = losses[i];
+      best.world_from_camera = moveBy(pose, scaledParticle(swarm_template, i, lengths));
+    }
+    found.push_back(best);
+  }
+  return found;
 }
 
 PoseScore SwarmSearch::score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera,

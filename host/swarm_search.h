@@ -2,6 +2,7 @@
 // pfopst].
 #pragma once
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "engine/passes/fitness.h"
@@ -15,6 +16,11 @@ struct PoseScore {
   double residual = 1;     ///< in truncations: RMS of psi, or its mean size with swarm.loss = absolute
   double overlap = 0;      ///< share of the valid pixels that fall inside the last frame's image
   double valid_share = 0;  ///< share of the grid's pixels with valid depth
+};
+
+struct ScannedPose {
+  Pose world_from_camera = Pose::Identity();
+  double loss = 1;
 };
 
 struct SwarmResult {
@@ -34,6 +40,10 @@ class SwarmSearch {
   /// Pose of the frame held by `frame`, searched from `start`; `last`: the last frame's pose, for the
   /// overlap.
   SwarmResult search(const PreprocessPass& frame, const Volume& volume, const Pose& start, const Pose& last);
+  /// The best particle of one wide template around each pose, over every valid pixel of a coarse grid: for poses
+  /// that may be far off. Axis lengths in metres and of the quaternion's imaginary part.
+  std::vector<ScannedPose> scan(const PreprocessPass& frame, const Volume& volume, std::span<const Pose> poses,
+                                double shift, double turn);
   /// Fit of the frame at a pose; every 8th pixel, all of them counted for the shares.
   PoseScore score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera,
                   const Pose& last);

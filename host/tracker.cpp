@@ -12,6 +12,11 @@ constexpr std::size_t kRememberedCosts = 9;  // frames
 // A frame's cost is suspicious beyond this factor of the recent ones' median, and this much more.
 constexpr double kSuspiciousFactor = 1.3, kSuspiciousExcess = 0.05;
 
+// A keyframe is added where none is within this; each is searched within the reach when lost.
+constexpr double kKeyframeShift = 0.4, kKeyframeTurn = 0.4;
+constexpr double kScanShift = 0.5, kScanTurn = 0.25;
+constexpr std::size_t kScanKept = 3;
+
 /// 0 for the expected pose, towards 1 beyond some centimetres or degrees.
 double unexpectedness(const Pose& pose, const Pose& expected) {
   constexpr double kShift = 0.05, kTurn = 0.1;
@@ -50,6 +55,7 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, do
     search(frame, volume, last_, result);
     return result;
   }
+  if (lost_) return relocalise(frame, volume);
   const RefineSettings& s = settings_.refine;
   const Pose expected = motion_.predict(timestamp);
   PoseFit best;
@@ -83,9 +89,44 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, do
   return result;
 }
 
-void Tracker::accept(const Pose& world_from_camera, double timestamp) {
+TrackResult Tracker::relocalise(const PreprocessPass& frame, const Volume& volume) {
+  TrackResult result;
+  std::vector<Pose> centres = keyframes_;
+  centres.push_back(last_);
+  std::vector<ScannedPose> scanned = search_.scan(frame, volume, centres, kScanShift, kScanTurn);
+  const std::size_t kept = std::min(kScanKept, scanned.size());
+  std::partial_sort(scanned.begin(), scanned.begin() + static_cast<std::ptrdiff_t>(kept), scanned.end(),
+                    [](const ScannedPose& a, const ScannedPose& b) { return a.loss < b.loss; });
+  refiner_.look(frame, settings_.refine.coarse_pixel_stride);
+  for (std::size_t i = 0; i < kept; ++i) {
+    const Pose& start = scanned[i].world_from_camera;
+    const SwarmResult found = search_.search(frame, volume, start, start);
+    result.iterations += found.iterations;
+    result.lookups += found.lookups;
+    for (const PoseFit& fit : refiner_.refine(volume, std::vector<Pose>{start, found.world_from_camera},
+                                              settings_.refine.coarse_iterations, start))
+      if (!result.fit || fit.cost < result.fit->cost) result.fit = fit;
+  }
+  result.world_from_camera = result.fit->world_from_camera;
+  result.lookups += kVoxelsPerPoint * refiner_.takePointsRead();
+  return result;
+}
+
+void Tracker::accept(const Pose& world_from_camera, double timestamp, bool fused) {
+  if (lost_) costs_.clear();
+  lost_ = false;
   motion_.add(world_from_camera, timestamp);
   last_ = world_from_camera;
+  const auto near = [&](const Pose& keyframe) {
+    const Eigen::AngleAxisd turn(Eigen::Matrix3d(keyframe.linear() * last_.linear().transpose()));
+    return (keyframe.translation() - last_.translation()).norm() < kKeyframeShift && turn.angle() < kKeyframeTurn;
+  };
+  if (fused && std::none_of(keyframes_.begin(), keyframes_.end(), near)) keyframes_.push_back(last_);
+}
+
+void Tracker::lose() {
+  lost_ = settings_.refine.enabled;
+  motion_.forgetVelocity();
 }
 
 }  // namespace rosefusion

@@ -25,8 +25,11 @@ class Tracker {
 
   /// Pose of the frame held by `frame`. Call accept() where it is believed.
   TrackResult track(const PreprocessPass& frame, const Volume& volume, double timestamp);
-  /// Tells that the frame at `timestamp` has this pose.
-  void accept(const Pose& world_from_camera, double timestamp);
+  /// Tells that the frame at `timestamp` has this pose, and whether it was fused.
+  void accept(const Pose& world_from_camera, double timestamp, bool fused);
+  /// Tells that the last track() found no pose: from now on the whole model is searched.
+  void lose();
+  bool isLost() const { return lost_; }
   /// Fit of the frame at a pose, over the overlap with the last accepted frame; every 8th pixel.
   PoseScore score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera) {
     return search_.score(frame, volume, world_from_camera, last_);
@@ -35,6 +38,7 @@ class Tracker {
   const Pose& last() const { return last_; }
 
  private:
+  TrackResult relocalise(const PreprocessPass& frame, const Volume& volume);
   void search(const PreprocessPass& frame, const Volume& volume, const Pose& start, TrackResult& result);
   bool suspicious(double cost) const;
 
@@ -42,6 +46,8 @@ class Tracker {
   SwarmSearch search_;
   Refiner refiner_;
   MotionModel motion_;
+  std::vector<Pose> keyframes_;  ///< fused poses, spread over the model
+  bool lost_ = false;
   std::deque<double> costs_;  ///< of the last frames
   Pose last_ = Pose::Identity();
 };

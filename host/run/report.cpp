@@ -67,6 +67,7 @@ Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& p
   report["frames"] = summary.frames.size();
   report["tracked"] = summary.count(TrackingStatus::Tracked);
   report["uncertain"] = summary.count(TrackingStatus::Uncertain);
+  report["relocalised"] = summary.count(TrackingStatus::Relocalised);
   report["lost"] = summary.count(TrackingStatus::Lost);
   report["skipped"] = summary.skipped();
   report["seconds"] = summary.seconds;
@@ -88,6 +89,7 @@ Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& p
 std::string framesCsv(const RunSummary& summary) {
   std::ostringstream out;
   out << "frame,timestamp_s,status,reason,iterations,lookups,residual_truncations,overlap_share,valid_share,"
+         "fit_cost,fit_usable,fit_close,fit_constraint,"
          "tx_m,ty_m,tz_m,"
          "qx,qy,qz,qw,total_ms,preprocess_ms,track_ms,integrate_ms\n";
   for (const RunFrame& f : summary.frames) {
@@ -96,8 +98,12 @@ std::string framesCsv(const RunSummary& summary) {
     const Eigen::Quaterniond q = canonical(Eigen::Quaterniond(r.world_from_camera.linear()));
     out << f.index << ',' << std::fixed << std::setprecision(6) << r.timestamp << ','
         << (f.skipped ? "skipped" : toString(r.status)) << ',' << csvQuoted(r.reason) << ',' << r.iterations
-        << ',' << r.lookups << ',' << r.score.residual << ',' << r.score.overlap << ',' << r.score.valid_share
-        << ',' << t.x() << ',' << t.y() << ',' << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ','
+        << ',' << r.lookups << ',' << r.score.residual << ',' << r.score.overlap << ',' << r.score.valid_share;
+    if (r.fit)
+      out << ',' << r.fit->cost << ',' << r.fit->usable << ',' << r.fit->close << ',' << r.fit->constraint;
+    else
+      out << ",,,,";
+    out << ',' << t.x() << ',' << t.y() << ',' << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ','
         << q.w() << std::setprecision(3) << ',' << r.milliseconds.total << ',' << r.milliseconds.preprocess
         << ',' << r.milliseconds.track << ',' << r.milliseconds.integrate << '\n';
   }
