@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/passes/refine.h"
+#include "host/camera.h"
 #include "host/settings.h"
 
 namespace rosefusion {

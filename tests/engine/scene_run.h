@@ -47,6 +47,10 @@ inline glm::mat4 onDevice(const Pose& pose) {
   return out;
 }
 
+inline SensorNoise onDevice(const reference::DepthNoise& noise) {
+  return {static_cast<float>(noise.floor), static_cast<float>(noise.growth)};
+}
+
 /// The first `count` elements of a device buffer.
 template <typename T>
 std::vector<T> readBack(Device& device, const Buffer& buffer, std::size_t count) {
@@ -99,7 +103,8 @@ struct SceneRun {
   void load(std::size_t frame) {
     const auto& sensor = sequence.sensor;
     const reference::Image& image = sequence.images[frame];
-    preprocess.record(recorder, image.depth, sensor.metres_per_unit, sensor.min_depth, sensor.max_depth);
+    preprocess.record(recorder, image.depth, sensor.metres_per_unit, sensor.min_depth, sensor.max_depth,
+                      static_cast<float>(sensor.edge_sigmas), onDevice(sensor.noise));
     if (volume.options().colour) preprocess.setColour(image.rgb);
     recorder.submit();
   }
@@ -113,7 +118,7 @@ struct SceneRun {
   void integrateDepth(const Pose& world_from_camera) {
     const double far = sequence.sensor.max_depth + volume.options().truncation;
     integrate.record(recorder, volume, preprocess, onDevice(sequence.camera),
-                     onDevice(world_from_camera.inverse()), far);
+                     onDevice(world_from_camera.inverse()), far, onDevice(sequence.sensor.noise));
     recorder.submit();
   }
   void fuse(std::size_t frame) {

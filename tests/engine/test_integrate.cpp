@@ -12,8 +12,13 @@ constexpr int kFrames = 8;
 // Voxels within rounding of the line between two pixels, added up over the frames.
 constexpr double kSkippedShare = 0.02;
 
+// Float values, so that both sides weigh by the same numbers. The depths, up to 4.5 m, weigh from 1 to 0.15,
+// which leaves the weights' rounding small against them.
+constexpr reference::DepthNoise kNoise{.floor = 0.005f, .growth = 0.0005f};
+
 struct Wrong {
   double voxel_size = 1, truncation = 1, max_weight = 1, focal = 1, centre = 0, shift = 0, turn = 0;
+  double floor = 1, growth = 1;
 };
 
 class Integrate : public ValidatingDevice, public ::testing::WithParamInterface<Intrinsics> {
@@ -21,7 +26,14 @@ class Integrate : public ValidatingDevice, public ::testing::WithParamInterface<
   void SetUp() override {
     ValidatingDevice::SetUp();
     if (HasFatalFailure()) return;
-    run_.emplace(device(), makeSequence(GetParam(), kFrames, 31), kVolume);
+    fuse({});
+  }
+
+  void fuse(const reference::DepthNoise& noise) {
+    Sequence sequence = makeSequence(GetParam(), kFrames, 31);
+    sequence.sensor.noise = noise;
+    run_.emplace(device(), sequence, kVolume);
+    allocated_.clear();
     for (int i = 0; i < kFrames; ++i) {
       run_->fuse(i);
       allocated_.push_back(blocksOf(run_->volume));
@@ -32,7 +44,9 @@ class Integrate : public ValidatingDevice, public ::testing::WithParamInterface<
   reference::TsdfMap referenceMap(const Wrong& wrong = {}) const {
     reference::TsdfMap map({.voxel_size = kVolume.voxel_size * wrong.voxel_size,
                             .truncation = kVolume.truncation * wrong.truncation,
-                            .max_weight = kVolume.max_weight * wrong.max_weight});
+                            .max_weight = kVolume.max_weight * wrong.max_weight,
+                            .noise = {.floor = run_->sequence.sensor.noise.floor * wrong.floor,
+                                      .growth = run_->sequence.sensor.noise.growth * wrong.growth}});
     Intrinsics camera = GetParam();
     camera.fx *= wrong.focal;
     camera.cy += wrong.centre;
@@ -83,6 +97,40 @@ TEST_P(Integrate, ComparisonSeesAWrongCoefficient) {
   EXPECT_TRUE(differs(compareWith({.centre = 0.1})));
   EXPECT_TRUE(differs(compareWith({.shift = 0.001})));
   EXPECT_TRUE(differs(compareWith({.turn = 0.001})));
+}
+
+TEST_P(Integrate, DepthsWeighByTheirNoise) {
+  fuse(kNoise);
+  EXPECT_TRUE(agrees(compareWith({}), kSkippedShare));
+  EXPECT_TRUE(differs(compareWith({.growth = 1.05})));
+  EXPECT_TRUE(differs(compareWith({.growth = 0})));
+  EXPECT_TRUE(differs(compareWith({.floor = 1.05})));
+  EXPECT_TRUE(differs(compareWith({.max_weight = 1.2})));
+  // Weights below and at the cap are among what was compared.
+  std::size_t broken = 0, capped = 0;
+  for (const float weight : contents_.weight) {
+    broken += weight != std::floor(weight);
+    capped += weight == kVolume.max_weight;
+  }
+  EXPECT_GT(broken, 2000u);
+  EXPECT_GT(capped, 500u);
+}
+
+TEST_P(Integrate, EveryDepthWeighsAtLeastOneUnit) {
+  // All depths are beyond 0.8 m, where this noise leaves less than 1/256.
+  fuse({.floor = 0.005f, .growth = 1});
+  const reference::TsdfMap map = referenceMap();
+  const auto contents = inReferenceTypes(contents_);
+  EXPECT_TRUE(agrees(compare(map, contents), kSkippedShare));
+  std::size_t compared = 0;
+  for (std::size_t b = 0; b < contents.blocks.size(); ++b)
+    for (int i = 0; i < 512; ++i) {
+      const auto& voxel = map.blocks().at(contents.blocks[b])[i];
+      if (voxel.uncertain) continue;
+      ASSERT_EQ(256 * contents.weight[512 * b + i], voxel.updates);
+      compared += voxel.updates > 0;
+    }
+  EXPECT_GT(compared, 10000u);
 }
 
 TEST_P(Integrate, ComparisonSeesWrongColours) {

@@ -10,6 +10,8 @@ namespace {
 constexpr double kPositionError = 2e-6;
 // Each update stores the mean in 16 bits of [-1, 1] (half a step is 1.5e-5).
 constexpr double kStoringError = 0.5 / 32767 + 1e-6;  // and a single-precision mean
+// Weights are stored in 1/256; that is also the least that a depth weighs.
+constexpr double kWeightUnit = 1.0 / 256;
 // Each 8-bit colour is a mean rounded to half a level.
 constexpr double kColourStoringError = 0.5 + 1e-3;
 constexpr int kColourWeightCap = 64;
@@ -69,8 +71,17 @@ void TsdfMap::update(Voxel& voxel, const Eigen::Vector3d& in_camera, const Point
   if (distance < -options_.truncation) return;
 
   const double value = std::min(1.0, distance / options_.truncation);
-  voxel.tsdf = (voxel.tsdf * voxel.weight + value) / (voxel.weight + 1);
-  voxel.weight = std::min(voxel.weight + 1, options_.max_weight);
+  const double gain = std::max(options_.noise.weight(z), kWeightUnit), total = voxel.weight + gain;
+  // Errors of the old mean count by its share; those of its weight move the mean towards or from the value.
+  const double weight_error = voxel.weight_error;
+  voxel.tsdf_error = voxel.tsdf_error * (voxel.weight + weight_error) / (total - weight_error) +
+                     kStoringError +
+                     std::abs(voxel.tsdf - value) * gain * weight_error / (total * (total - weight_error));
+  voxel.tsdf = (voxel.tsdf * voxel.weight + value * gain) / total;
+  voxel.weight = std::min(total, options_.max_weight);
+  // Whole weights are held exactly, and so is the cap where all that rounding can make of it reaches it.
+  if (options_.noise.growth > 0) voxel.weight_error += kWeightUnit / 2 + 1e-6 * gain;
+  if (total - voxel.weight_error >= options_.max_weight) voxel.weight_error = 0;
   ++voxel.updates;
   if (rgb.empty() || distance >= options_.truncation) return;
   const Eigen::Vector3d seen(rgb[pixel] & 255, rgb[pixel] >> 8 & 255, rgb[pixel] >> 16 & 255);
@@ -94,10 +105,8 @@ Comparison compare(const TsdfMap& expected, const TsdfContents& contents) {
         continue;
       }
       const double tsdf = contents.tsdf[512 * b + i], weight = contents.weight[512 * b + i];
-      const double tolerance =
-          sensing_error + accumulated(kStoringError, voxel.updates, expected.options().max_weight);
-      // Weights are whole numbers here, which their 1/256 units hold exactly.
-      const bool same_weight = std::abs(weight - voxel.weight) < 1e-3;
+      const double tolerance = sensing_error + voxel.tsdf_error;
+      const bool same_weight = std::abs(weight - voxel.weight) < voxel.weight_error + 1e-3;
       result.add(same_weight ? std::abs(tsdf - voxel.tsdf) / tolerance : INFINITY,
                  where(found->first, i) + ": tsdf " + std::to_string(tsdf) + " weight " +
                      std::to_string(weight) + ", expected " + std::to_string(voxel.tsdf) + " and " +

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/reference/allocate.h"
+#include "tests/reference/depth_noise.h"
 
 namespace rosefusion::reference {
 
@@ -14,12 +15,15 @@ struct TsdfOptions {
   double voxel_size = 0.04;
   double truncation = 0.12;
   double max_weight = 128;
+  DepthNoise noise;  ///< a depth weighs its inverse variance, at least one unit of the stored weights
 };
 
 struct Voxel {
   double tsdf = 1;  ///< units of the truncation
   double weight = 0;
   int updates = 0;
+  double tsdf_error = 0;  ///< the most that storing tsdf and weight after each update may have added up to
+  double weight_error = 0;
   Eigen::Vector3d rgb{0, 0, 0};  ///< [0, 255]
   int colour_updates = 0;
   bool uncertain = false;         ///< rounding decides which pixel it saw, or whether it was updated

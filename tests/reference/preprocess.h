@@ -6,6 +6,7 @@
 
 #include "host/camera.h"
 #include "tests/reference/comparison.h"
+#include "tests/reference/depth_noise.h"
 
 namespace rosefusion::reference {
 
@@ -13,12 +14,18 @@ struct DepthSensor {
   double metres_per_unit = 0.0002;
   double min_depth = 0.3;  ///< metres
   double max_depth = 6;
+  /// More than 0: a pixel is invalid where the depths `edge_reach` pixels to both sides, along either axis,
+  /// leave the plane through it (1 / z is linear in the image) by more than so many standard deviations.
+  double edge_sigmas = 0;
+  int edge_reach = 2;
+  DepthNoise noise;
 };
 
 /// Row by row; depth 0 where invalid, and its point then the origin.
 struct PointImage {
   std::vector<double> depth;
   std::vector<Eigen::Vector3d> points;  ///< camera frame, metres
+  std::vector<bool> uncertain;          ///< rounding decides whether it is an edge
 };
 
 PointImage preprocess(std::span<const std::uint16_t> raw, const Intrinsics& camera,

@@ -1,0 +1,186 @@
+// Pass refine against its reference.
+#include <functional>
+
+#include "engine/passes/refine.h"
+#include "tests/engine/scene_run.h"
+#include "tests/engine/validating_device.h"
+#include "tests/reference/refine.h"
+#include "tests/reference/select_points.h"
+
+namespace rosefusion::testing {
+namespace {
+
+constexpr VolumeOptions kVolume{.voxel_size = 0.04f, .truncation = 0.12f};
+constexpr PixelGrid kGrid{5, 2, 3};
+constexpr int kFrames = 3;
+// Of the sums: those of a pose where a few points read a distance or not within rounding are too wide to
+// test much.
+constexpr double kWideShare = 0.1;
+// Float values, so that both sides weigh by the same numbers.
+constexpr reference::RefineModel kModel{
+    .truncation = kVolume.truncation, .huber = 0.02f, .noise = {.floor = 0.005f, .growth = 0.0019f}};
+
+class Refine : public ValidatingDevice, public ::testing::WithParamInterface<Intrinsics> {
+ protected:
+  void SetUp() override {
+    ValidatingDevice::SetUp();
+    if (HasFatalFailure()) return;
+    run_.emplace(device(), makeSequence(GetParam(), kFrames, 71), kVolume);
+    run_->fuseAll();
+    contents_ = run_->volume.download();
+    reference_contents_ = inReferenceTypes(contents_);
+    select(*run_);
+    const auto selection = selectPoints(run_->referenceImage(kFrames - 1), GetParam(), kGrid.stride,
+                                        kGrid.offset_x, kGrid.offset_y, nullptr);
+    for (const auto& candidate : selection.points) reference_points_.push_back(candidate.point);
+    // The truth, a few centimetres and degrees off it, and so far off that little overlaps.
+    const Pose truth = run_->sequence.poses[kFrames - 1];
+    for (const double off : {0.0, 0.2, -0.5, 1.0, -2.0, 6.0}) {
+      Pose pose = truth;
+      pose.translation() += off * Eigen::Vector3d(0.02, -0.03, 0.025);
+      pose.rotate(Eigen::AngleAxisd(off * 0.03, Eigen::Vector3d(1, 2, -1).normalized()));
+      poses_.push_back(asFloats(pose));
+    }
+  }
+
+  /// The same pose as the device gets it.
+  static Pose asFloats(const Pose& pose) {
+    Pose out = pose;
+    out.matrix() = pose.matrix().cast<float>().cast<double>();
+    return out;
+  }
+  void select(SceneRun& run) {
+    points_.emplace(device(), onDevice(GetParam()));
+    points_->record(run.recorder, run.preprocess, kGrid, nullptr);
+    run.recorder.submit();
+  }
+  std::vector<RefineSums> sums(SceneRun& run, const std::vector<Pose>& poses) {
+    std::vector<glm::mat4> matrices;
+    for (const Pose& pose : poses) matrices.push_back(onDevice(pose));
+    pass_.emplace(device());
+    pass_->record(run.recorder, run.volume, *points_, matrices,
+                  {static_cast<float>(kModel.huber), onDevice(kModel.noise)});
+    run.recorder.submit();
+    return pass_->sums();
+  }
+  reference::Comparison compareWith(const std::vector<RefineSums>& measured,
+                                    const reference::RefineModel& model,
+                                    double voxel_size = kVolume.voxel_size) const {
+    const reference::VoxelValues values(reference_contents_.blocks, reference_contents_.tsdf, voxel_size);
+    std::vector<reference::SumRange> expected;
+    std::vector<double> flat;
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      const auto ranges = refineSums(values, reference_points_, poses_[i], model);
+      expected.insert(expected.end(), ranges.begin(), ranges.end());
+      flat.insert(flat.end(), measured[i].begin(), measured[i].end());
+    }
+    return compare(expected, flat);
+  }
+
+  std::optional<SceneRun> run_;
+  std::optional<SelectPointsPass> points_;
+  std::optional<RefinePass> pass_;
+  VolumeContents contents_;
+  reference::TsdfContents reference_contents_;
+  std::vector<Eigen::Vector3d> reference_points_;
+  std::vector<Pose> poses_;
+};
+
+TEST_P(Refine, AgreesWithTheReferenceAtSeveralPoses) {
+  ASSERT_GT(reference_points_.size(), 600u);
+  const auto measured = sums(*run_, poses_);
+  ASSERT_EQ(measured.size(), poses_.size());
+  const auto result = compareWith(measured, kModel);
+  EXPECT_TRUE(agrees(result, kWideShare));
+  EXPECT_EQ(result.compared, poses_.size() * reference::kRefineSums);
+  // The poses hold what the pass has to tell apart.
+  const auto& truth = measured.front();
+  const auto& far = measured.back();
+  EXPECT_GT(truth[shader::kRefineUsable], 0.8 * reference_points_.size());
+  EXPECT_GT(truth[shader::kRefineClose], 0.9 * truth[shader::kRefineUsable]);
+  EXPECT_LT(far[shader::kRefineUsable], 0.9 * reference_points_.size());
+  EXPECT_GT(far[shader::kRefineUsable], 0.1 * reference_points_.size());
+  EXPECT_LT(far[shader::kRefineClose], 0.7 * far[shader::kRefineUsable]);
+  EXPECT_LT(truth[shader::kRefineCost], 0.3 * far[shader::kRefineCost]);
+}
+
+TEST_P(Refine, ComparisonSeesAWrongCoefficient) {
+  const auto measured = sums(*run_, poses_);
+  EXPECT_TRUE(agrees(compareWith(measured, kModel), kWideShare));
+  EXPECT_TRUE(differs(compareWith(measured, kModel, kVolume.voxel_size * 1.002)));
+  const auto wrong = [&](const std::function<void(reference::RefineModel&)>& change) {
+    reference::RefineModel model = kModel;
+    change(model);
+    return compareWith(measured, model);
+  };
+  EXPECT_TRUE(differs(wrong([](auto& m) { m.huber *= 1.01; })));
+  EXPECT_TRUE(differs(wrong([](auto& m) { m.truncation *= 1.01; })));
+  EXPECT_TRUE(differs(wrong([](auto& m) { m.noise.floor *= 1.01; })));
+  EXPECT_TRUE(differs(wrong([](auto& m) { m.noise.growth *= 1.01; })));
+  EXPECT_TRUE(differs(wrong([](auto& m) { m.noise.growth = 0; })));
+  EXPECT_TRUE(differs(wrong([](auto& m) { m.turn_sense = -1; })));
+  const std::vector<Pose> right = poses_;
+  for (Pose& pose : poses_) pose.translation().y() += 0.001;
+  EXPECT_TRUE(differs(compareWith(measured, kModel)));
+  poses_ = right;
+  for (Pose& pose : poses_) pose.rotate(Eigen::AngleAxisd(0.001, Eigen::Vector3d::UnitX()));
+  EXPECT_TRUE(differs(compareWith(measured, kModel)));
+  poses_ = right;
+  reference_points_.pop_back();
+  EXPECT_TRUE(differs(compareWith(measured, kModel)));
+}
+
+TEST_P(Refine, PosesDoNotInfluenceOneAnother) {
+  const auto together = sums(*run_, poses_);
+  for (std::size_t i = 0; i < poses_.size(); ++i)
+    EXPECT_EQ(sums(*run_, {poses_[i]})[0], together[i]) << "pose " << i;
+  const std::vector<Pose> reversed(poses_.rbegin(), poses_.rend());
+  const auto backwards = sums(*run_, reversed);
+  for (std::size_t i = 0; i < poses_.size(); ++i)
+    EXPECT_EQ(backwards[poses_.size() - 1 - i], together[i]) << "pose " << i;
+}
+
+TEST_P(Refine, SeveralPoolBuffersGiveTheSameSums) {
+  VolumeOptions options = kVolume;
+  // Of each pool, whose block is 1 KiB: a power of two, so that four chunks hold what one did.
+  options.max_pool_bytes = 1024;
+  while (options.max_pool_bytes * 4 < 1024 * (run_->volume.blockCount() + 1)) options.max_pool_bytes *= 2;
+  SceneRun chunked(device(), run_->sequence, options);
+  chunked.fuseAll();
+  ASSERT_GT(chunked.volume.chunks(), 1u);
+  const auto whole = sums(*run_, poses_);
+  EXPECT_EQ(sums(chunked, poses_), whole);
+}
+
+TEST_P(Refine, WithoutASurfaceOnlyTheCostsCount) {
+  // An empty volume, and poses that look from beyond the table at nothing.
+  SceneRun empty(device(), run_->sequence, kVolume);
+  const auto check = [&](const std::vector<RefineSums>& measured) {
+    for (const RefineSums& s : measured) {
+      for (int k = 0; k < int(shader::kRefineSums); ++k)
+        if (k != int(shader::kRefineCost) && k != int(shader::kRefineMostCost)) {
+          EXPECT_EQ(s[k], 0) << "sum " << k;
+        }
+      EXPECT_EQ(s[shader::kRefineCost], s[shader::kRefineMostCost]);
+      EXPECT_GT(s[shader::kRefineMostCost], 0);
+    }
+  };
+  check(sums(empty, poses_));
+  for (const Eigen::Vector3d& away : {Eigen::Vector3d(100, 0, 0), Eigen::Vector3d(0, -1e6, 0),
+                                      Eigen::Vector3d(0, 0, 1e7), Eigen::Vector3d(-30, 0, 0)}) {
+    for (Pose& pose : poses_) pose.translation() = away;
+    check(sums(*run_, poses_));
+  }
+}
+
+TEST_P(Refine, WithoutPointsAllSumsAreZero) {
+  const std::vector<std::uint16_t> nothing(run_->sequence.images[0].depth.size(), 0);
+  run_->preprocess.record(run_->recorder, nothing, 0.001f, 0.1f, 5.0f);
+  select(*run_);
+  for (const RefineSums& s : sums(*run_, poses_)) EXPECT_EQ(s, RefineSums{});
+}
+
+INSTANTIATE_TEST_SUITE_P(Cameras, Refine, kBothCameras, cameraName);
+
+}  // namespace
+}  // namespace rosefusion::testing

@@ -1,0 +1,153 @@
+#include "tests/reference/refine.h"
+
+#include <array>
+#include <cmath>
+
+namespace rosefusion::reference {
+namespace {
+
+using Sums = Eigen::Matrix<double, kRefineSums, 1>;
+
+// Voxels: positions up to some metres and page tables of a few hundred voxels, single precision, 4 cm and
+// more; the same as of the fitness, whose positions are computed alike.
+constexpr double kVoxelError = 2e-4;
+// Of a term, relative to the sizes of its factors: some ten single-precision operations on each, and the
+// interpolation's 27 products of numbers up to 1 where the gradient is about a third (6e-8 * 27 * 3).
+constexpr double kTermTolerance = 6e-6;
+constexpr double kTruncated = 0.999;
+constexpr double kWide = 0.01;
+
+/// The trilinear interpolation of voxel centres, and whether all eight tell a distance.
+struct Reading {
+  double value = 0;
+  bool usable = true;
+};
+
+Reading interpolate(const VoxelValues& values, const Eigen::Vector3d& position) {
+  const Eigen::Vector3d centred = position.array() - 0.5;
+  const Eigen::Vector3i corner = centred.array().floor().cast<int>();
+  Reading out;
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Vector3i voxel = corner + Eigen::Vector3i(i & 1, i >> 1 & 1, i >> 2);
+    const double stored = values.at(voxel);
+    out.usable = out.usable && std::abs(stored) < kTruncated;
+    out.value += stored * (1 - (centred - voxel.cast<double>()).array().abs()).prod();
+  }
+  return out;
+}
+
+/// The quadratic B-spline, centred, and its derivative; 0 from 1.5 on.
+double spline(double t) {
+  const double a = std::abs(t);
+  if (a < 0.5) return 0.75 - a * a;
+  return a < 1.5 ? 0.5 * (1.5 - a) * (1.5 - a) : 0;
+}
+double splineSlope(double t) {
+  const double a = std::abs(t);
+  if (a < 0.5) return -2 * t;
+  return a < 1.5 ? -std::copysign(1.5 - a, t) : 0;
+}
+
+/// Per voxel.
+Eigen::Vector3d smoothGradient(const VoxelValues& values, const Eigen::Vector3d& position) {
+  const Eigen::Vector3i middle = position.array().floor().cast<int>();
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  for (int z = -1; z <= 1; ++z)
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x) {
+        const Eigen::Vector3i voxel = middle + Eigen::Vector3i(x, y, z);
+        const Eigen::Vector3d t = position - (voxel.cast<double>().array() + 0.5).matrix();
+        const double stored = values.at(voxel);
+        for (int axis = 0; axis < 3; ++axis)
+          gradient[axis] +=
+              stored * splineSlope(t[axis]) * spline(t[(axis + 1) % 3]) * spline(t[(axis + 2) % 3]);
+      }
+  return gradient;
+}
+
+double robust(double distance, double huber) {
+  const double a = std::abs(distance);
+  return a < huber ? a * a / 2 : huber * a - huber * huber / 2;
+}
+
+/// What a point adds to the sums when it reads the volume at `position` (voxels); `arm`: from the camera's
+/// centre, in world axes; `size`: bounds on the terms, from the lengths of their factors.
+Sums terms(const VoxelValues& values, const Eigen::Vector3d& position, const Eigen::Vector3d& arm, double z,
+           const RefineModel& model, Sums* size) {
+  Sums out = Sums::Zero(), bound = Sums::Zero();
+  const double noise = model.noise.deviation(z);
+  const double cost_weight = model.huber * model.huber / (model.huber * model.huber + noise * noise);
+  out[28] = cost_weight * robust(model.truncation, model.huber);
+  const Reading reading = interpolate(values, position);
+  if (!reading.usable) {
+    out[27] = out[28];
+  } else {
+    const double residual = reading.value * model.truncation;
+    const Eigen::Vector3d slope = smoothGradient(values, position) * model.truncation / values.voxelSize();
+    Eigen::Matrix<double, 6, 1> jacobian, length;
+    jacobian << slope, model.turn_sense * arm.cross(slope);
+    length.head<3>().setConstant(slope.norm());
+    length.tail<3>().setConstant(slope.norm() * arm.norm());
+    double weight = model.noise.weight(z);
+    if (std::abs(residual) > model.huber) weight *= model.huber / std::abs(residual);
+    int entry = 0;
+    for (int row = 0; row < 6; ++row)
+      for (int column = row; column < 6; ++column, ++entry) {
+        out[entry] = weight * jacobian[row] * jacobian[column];
+        bound[entry] = weight * length[row] * length[column];
+      }
+    out.segment<6>(21) = weight * residual * jacobian;
+    bound.segment<6>(21) = weight * std::abs(residual) * length;
+    out[27] = cost_weight * robust(residual, model.huber);
+    out[29] = cost_weight;
+    out[30] = 1;
+    out[31] = std::abs(residual) < model.huber ? 1 : 0;
+  }
+  bound.tail<5>() = out.tail<5>();
+  if (size) *size = bound;
+  return out;
+}
+
+}  // namespace
+
+std::vector<SumRange> refineSums(const VoxelValues& values, std::span<const Eigen::Vector3d> points,
+                                 const Pose& world_from_camera, const RefineModel& model) {
+  std::vector<SumRange> sums(kRefineSums);
+  for (const Eigen::Vector3d& point : points) {
+    const Eigen::Vector3d arm = world_from_camera.linear() * point;
+    const Eigen::Vector3d position = (arm + world_from_camera.translation()) / values.voxelSize();
+    Sums size;
+    Sums low = terms(values, position, arm, point.z(), model, &size), high = low;
+    // The terms are smooth within a cell, so the corners of what rounding can reach hold their extremes, and
+    // they lie in every cell that it can reach.
+    for (int i = 0; i < 8; ++i) {
+      const Eigen::Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+      const Sums at = terms(values, position + kVoxelError * sign, arm, point.z(), model, nullptr);
+      low = low.cwiseMin(at);
+      high = high.cwiseMax(at);
+    }
+    for (int k = 0; k < kRefineSums; ++k) {
+      sums[k].low += low[k];
+      sums[k].high += high[k];
+      sums[k].size += size[k];
+    }
+  }
+  return sums;
+}
+
+Comparison compare(std::span<const SumRange> expected, std::span<const double> sums) {
+  Comparison result;
+  for (std::size_t i = 0; i < std::min(expected.size(), sums.size()); ++i) {
+    const auto [low, high, size] = expected[i];
+    if (high - low > kWide * size) ++result.skipped;
+    const double error = std::max({0.0, low - sums[i], sums[i] - high});
+    result.add(error == 0 ? 0 : error / (kTermTolerance * size),
+               "sum " + std::to_string(i % kRefineSums) + " of pose " + std::to_string(i / kRefineSums) +
+                   ": " + std::to_string(sums[i]) + ", expected " + std::to_string(low) + " to " +
+                   std::to_string(high));
+  }
+  if (expected.size() != sums.size()) result.add(INFINITY, "the number of sums differs");
+  return result;
+}
+
+}  // namespace rosefusion::reference
