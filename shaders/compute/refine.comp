@@ -64,6 +64,10 @@ void main() {
     add(sum[kRefineCost], cost_weight * (usable ? robust(residual) : most));
     if (!usable) continue;
     add(sum[kRefineCostWeight], cost_weight);
+    add(sum[kRefineUsable], 1.0);
+    add(sum[kRefineClose], abs(residual) < params.huber ? 1.0 : 0.0);
+    // Beside what was not observed the step to there would look like a slope.
+    if (near.largest >= kTruncated) continue;
     // The smooth gradient: that of a cell alone is so noisy that a flat wall seems to hold shifts along it.
     vec3 slope = near.gradient * (truncation * volume.scale.y);
     vec3 moment = cross(arm, slope);
@@ -75,8 +79,6 @@ void main() {
       for (uint column = row; column < 6u; ++column) add(sum[entry++], scaled * jacobian[column]);
       add(sum[kRefineGradient + row], scaled * residual);
     }
-    add(sum[kRefineUsable], 1.0);
-    add(sum[kRefineClose], abs(residual) < params.huber ? 1.0 : 0.0);
   }
 
   for (uint k = 0u; k < kRefineSums; ++k) s_sums[k * kRefineGroup + lane] = sum[k].sum - sum[k].lost;

@@ -16,6 +16,7 @@
 #include "shaders/compute/interface/raycast.h"
 #include "shaders/compute/interface/raycast_range.h"
 #include "shaders/compute/interface/select_points.h"
+#include "shaders/compute/interface/refine.h"
 #include "shaders/compute/interface/sum_check.h"
 #include "shaders/compute/interface/volume.h"
 
@@ -54,6 +55,8 @@ const std::map<std::string, ShaderStruct>& structsInCpp() {
       STRUCT(PreprocessParams, MEMBER(PreprocessParams, focal_centre), MEMBER(PreprocessParams, size),
              MEMBER(PreprocessParams, metres_per_unit), MEMBER(PreprocessParams, min_depth),
              MEMBER(PreprocessParams, max_depth), MEMBER(PreprocessParams, pad0)),
+      STRUCT(RefineParams, MEMBER(RefineParams, huber), MEMBER(RefineParams, noise_floor),
+             MEMBER(RefineParams, noise_growth), MEMBER(RefineParams, parts)),
       STRUCT(SelectParams, MEMBER(SelectParams, previous_from_current), MEMBER(SelectParams, focal_centre),
              MEMBER(SelectParams, size), MEMBER(SelectParams, grid)),
       STRUCT(SumCheckParams, MEMBER(SumCheckParams, first), MEMBER(SumCheckParams, count)),

@@ -48,10 +48,14 @@ double splineSlope(double t) {
   return a < 1.5 ? -std::copysign(1.5 - a, t) : 0;
 }
 
-/// Per voxel.
-Eigen::Vector3d smoothGradient(const VoxelValues& values, const Eigen::Vector3d& position) {
+struct Slope {
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();  ///< per voxel
+  bool known = true;                                   ///< none of the 27 voxels is truncated or unobserved
+};
+
+Slope smoothGradient(const VoxelValues& values, const Eigen::Vector3d& position) {
   const Eigen::Vector3i middle = position.array().floor().cast<int>();
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  Slope slope;
   for (int z = -1; z <= 1; ++z)
     for (int y = -1; y <= 1; ++y)
       for (int x = -1; x <= 1; ++x) {
@@ -59,10 +63,11 @@ Eigen::Vector3d smoothGradient(const VoxelValues& values, const Eigen::Vector3d&
         const Eigen::Vector3d t = position - (voxel.cast<double>().array() + 0.5).matrix();
         const double stored = values.at(voxel);
         for (int axis = 0; axis < 3; ++axis)
-          gradient[axis] +=
+          slope.gradient[axis] +=
               stored * splineSlope(t[axis]) * spline(t[(axis + 1) % 3]) * spline(t[(axis + 2) % 3]);
+        slope.known = slope.known && std::abs(stored) < kTruncated;
       }
-  return gradient;
+  return slope;
 }
 
 double robust(double distance, double huber) {
@@ -83,7 +88,10 @@ Sums terms(const VoxelValues& values, const Eigen::Vector3d& position, const Eig
     out[27] = out[28];
   } else {
     const double residual = reading.value * model.truncation;
-    const Eigen::Vector3d slope = smoothGradient(values, position) * model.truncation / values.voxelSize();
+    const Slope read = smoothGradient(values, position);
+    const Eigen::Vector3d slope =
+        read.known ? Eigen::Vector3d(read.gradient * model.truncation / values.voxelSize())
+                   : Eigen::Vector3d::Zero();
     Eigen::Matrix<double, 6, 1> jacobian, length;
     jacobian << slope, model.turn_sense * arm.cross(slope);
     length.head<3>().setConstant(slope.norm());

@@ -19,6 +19,7 @@ const uint kRefineBindings = 10u;
 
 // What is summed over the points, in this order. The unknowns are (x, y, z, wx, wy, wz): a shift of the
 // camera in the world and a small turn about the camera's centre, applied on the left.
+// J holds only the points whose 27 voxels around are all inside the truncation.
 const uint kRefineHessian = 0u;      // upper triangle of J^T W J, row by row
 const uint kRefineGradient = 21u;    // J^T W r
 const uint kRefineCost = 27u;        // robust cost, the most possible for points without a distance

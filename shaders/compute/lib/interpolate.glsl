@@ -56,6 +56,7 @@ vec4 trilinear(Cell c) {
 struct Neighbourhood {
   float value;
   vec3 gradient;
+  float largest;  // size among the 27
 };
 
 Neighbourhood neighbourhoodOf(vec3 position) {
@@ -71,7 +72,7 @@ Neighbourhood neighbourhoodOf(vec3 position) {
   ivec3 block = low >> 3;
   bool odd = (low.x & 1) != 0, crosses = ((low.x + 2) >> 3) != block.x;
   int word_low = (low.x & 7) >> 1, word_high = ((low.x + 2) & 7) >> 1;
-  Neighbourhood sum = Neighbourhood(0.0, vec3(0.0));
+  Neighbourhood sum = Neighbourhood(0.0, vec3(0.0), 0.0);
   for (int k = 0; k < 3; ++k) {
     uvec4 layer = ((low.z + k) >> 3) != block.z ? slots.slots_high : slots.slots_low;
     for (int j = 0; j < 3; ++j) {
@@ -82,6 +83,7 @@ Neighbourhood neighbourhoodOf(vec3 position) {
       uint second = tsdfWordInBlock(crosses ? pair.y : pair.x, uint(row + word_high));
       vec3 v = odd ? vec3(tsdfOf(first), tsdfOf(second << 16), tsdfOf(second))
                    : vec3(tsdfOf(first << 16), tsdfOf(first), tsdfOf(second << 16));
+      sum.largest = max(sum.largest, max(abs(v.x), max(abs(v.y), abs(v.z))));
       float along = spline[0].x * v.x + spline[1].x * v.y + spline[2].x * v.z;
       sum.gradient += vec3((slope[0].x * v.x + slope[1].x * v.y + slope[2].x * v.z) * spline[j].y * spline[k].z,
                            along * slope[j].y * spline[k].z, along * spline[j].y * slope[k].z);

@@ -64,11 +64,6 @@ Sequence wallSequence() {
   }
   return sequence;
 }
-// Pixels at the image's border that are not tracked: 15 cm on that wall. Within 1.5 voxels (6 cm) of the
-// border of what was seen, and 3 cm for the start, the gradient reads unobserved voxels, whose steps look
-// like slopes along the wall.
-constexpr int kBorder = 8;
-
 TEST_F(RefinerTest, ComesBackToTheFusedPose) {
   fuse(makeSequence(kOddCamera, kFrames, 81));
   const std::vector<Pose> starts = {off({0, 0, 0}, 0, {1, 0, 0}),
