@@ -1,12 +1,11 @@
 // rosefusion run: a depth sequence in; trajectory, mesh, preview and report out.
 #include <spdlog/spdlog.h>
 
-#include <atomic>
-#include <csignal>
 #include <cstdio>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/exit_code.h"
+#include "apps/cli/interrupt.h"
 #include "apps/cli/progress.h"
 #include "host/error.h"
 #include "host/file_io.h"
@@ -28,13 +27,6 @@ struct Options {
   RunOptions run;
   bool validation = false;
 };
-
-std::atomic<int> interruptions{0};
-
-void onInterrupt(int) {
-  // The first Ctrl-C asks the loop to end and the files to be written, the second gives up at once.
-  if (interruptions.fetch_add(1) > 0) std::_Exit(kExitInterrupted);
-}
 
 Settings settingsFor(const Options& o) {
   Settings settings = loadSettings(o.config);
@@ -90,15 +82,14 @@ void run(const Options& o) {
   spdlog::info("{}: {} frames, {}; on {}", info.path.string(), info.frames, info.format, device.info().name);
   Pipeline pipeline(device, settings, info.intrinsics, info.depth_units_per_metre);
 
-  std::signal(SIGINT, onInterrupt);
-  std::signal(SIGTERM, onInterrupt);
+  catchInterrupts();
   RunSummary summary;
   {
     Progress progress("frames");
     const auto show = [&](const RunProgress& p) {
       progress.update(p.done, p.total, p.last->skipped ? "skipped" : toString(p.last->result.status));
     };
-    summary = reconstruct(*sequence, pipeline, o.run, show, [] { return interruptions > 0; });
+    summary = reconstruct(*sequence, pipeline, o.run, show, interrupted);
   }
   if (pipeline.volume().blockCount() == 0)
     throw InputError(
