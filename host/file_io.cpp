@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <system_error>
@@ -35,6 +36,20 @@ void writeFileAtomically(const std::filesystem::path& file, std::string_view byt
   if (!closed) fail(errno);
   fs::rename(temporary, file, error);
   if (error) fail(error.value());
+}
+
+ScratchFolder::ScratchFolder(const std::string& purpose) {
+  std::string pattern =
+      (std::filesystem::temp_directory_path() / ("rosefusion-" + purpose + "-XXXXXX")).string();
+  if (!mkdtemp(pattern.data()))
+    throw InputError(pattern +
+                     ": no temporary folder can be made; point TMPDIR to a folder that can be written.");
+  path_ = pattern;
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
 }
 
 }  // namespace rosefusion

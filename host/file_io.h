@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace rosefusion {
@@ -10,5 +11,20 @@ namespace rosefusion {
 /// parent folder is made when missing. Throws InputError (naming the file and the system's reason, such as a
 /// full disk) and removes the temporary file on failure.
 void writeFileAtomically(const std::filesystem::path& file, std::string_view bytes);
+
+/// A new folder where the system keeps temporary files, removed with all that is in it. Throws InputError.
+class ScratchFolder {
+ public:
+  /// `purpose`: one word of the folder's name.
+  explicit ScratchFolder(const std::string& purpose);
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
 
 }  // namespace rosefusion

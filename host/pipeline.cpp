@@ -99,10 +99,10 @@ std::vector<std::uint32_t> packColour(const cv::Mat& bgr) {
 }  // namespace
 
 const char* toString(TrackingStatus status) {
-  return status == TrackingStatus::Tracked     ? "tracked"
-         : status == TrackingStatus::Uncertain ? "uncertain"
+  return status == TrackingStatus::Tracked       ? "tracked"
+         : status == TrackingStatus::Uncertain   ? "uncertain"
          : status == TrackingStatus::Relocalised ? "relocalised"
-                                               : "lost";
+                                                 : "lost";
 }
 
 Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& intrinsics,

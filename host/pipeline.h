@@ -25,8 +25,8 @@ struct FrameResult {
   /// World = the camera of the first fused frame. When lost: the last pose that was not.
   Pose world_from_camera = Pose::Identity();
   TrackingStatus status = TrackingStatus::Lost;
-  std::string reason;  ///< plain words; empty when tracked
-  PoseScore score;     ///< the numbers behind the status
+  std::string reason;          ///< plain words; empty when tracked
+  PoseScore score;             ///< the numbers behind the status
   std::optional<PoseFit> fit;  ///< and those of the descent, where there was one
   int iterations = 0;
   std::uint64_t lookups = 0;

@@ -68,9 +68,10 @@ SwarmResult SwarmSearch::search(const PreprocessPass& frame, const Volume& volum
     const auto number = static_cast<std::uint32_t>(state.serial % templates_.levels[state.level].size());
     const auto particles = static_cast<std::uint32_t>(level.particles);
     const Eigen::Vector2i offset = pixelOffset(settings_.swarm, state);
-    evaluate(frame, volume, {level.pixel_stride, offset.x(), offset.y()}, state.centre, last,
-             {toShader(state.centre), shaderLengths(state.axis_lengths, 0), shaderLengths(state.axis_lengths, 3),
-              level_offsets_[state.level] + number * particles, particles});
+    evaluate(
+        frame, volume, {level.pixel_stride, offset.x(), offset.y()}, state.centre, last,
+        {toShader(state.centre), shaderLengths(state.axis_lengths, 0), shaderLengths(state.axis_lengths, 3),
+         level_offsets_[state.level] + number * particles, particles});
     result.lookups += std::uint64_t(particles) * select_.selected();
     result.steps.push_back(
         update(settings_.swarm, state, swarm_template, fitness_.losses(), fitness_.counted()));
@@ -93,8 +94,8 @@ std::vector<ScannedPose> SwarmSearch::scan(const PreprocessPass& frame, const Vo
   for (const Pose& pose : poses) {
     select_.record(recorder_, frame, {stride, stride / 2, stride / 2}, nullptr);
     fitness_.record(recorder_, volume, select_,
-                    {toShader(pose), shaderLengths(lengths, 0), shaderLengths(lengths, 3), level_offsets_[level],
-                     static_cast<std::uint32_t>(swarm_template.particles.size())});
+                    {toShader(pose), shaderLengths(lengths, 0), shaderLengths(lengths, 3),
+                     level_offsets_[level], static_cast<std::uint32_t>(swarm_template.particles.size())});
     recorder_.submit();
     const auto losses = fitness_.losses();
     ScannedPose best;

@@ -119,7 +119,8 @@ void Tracker::accept(const Pose& world_from_camera, double timestamp, bool fused
   last_ = world_from_camera;
   const auto near = [&](const Pose& keyframe) {
     const Eigen::AngleAxisd turn(Eigen::Matrix3d(keyframe.linear() * last_.linear().transpose()));
-    return (keyframe.translation() - last_.translation()).norm() < kKeyframeShift && turn.angle() < kKeyframeTurn;
+    return (keyframe.translation() - last_.translation()).norm() < kKeyframeShift &&
+           turn.angle() < kKeyframeTurn;
   };
   if (fused && std::none_of(keyframes_.begin(), keyframes_.end(), near)) keyframes_.push_back(last_);
 }

@@ -1,12 +1,16 @@
-// rosefusion bench: how fast the passes are on a device, and how fast a CPU loop is beside them.
-#include "host/bench/pass_bench.h"
-
+// rosefusion bench: how fast the passes are on a device beside a CPU loop, or how accurate tracking is.
 #include <spdlog/spdlog.h>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/exit_code.h"
+#include "apps/cli/interrupt.h"
+#include "host/bench/pass_bench.h"
+#include "host/bench/tracking_suite.h"
+#include "host/error.h"
 
 namespace rosefusion::cli {
 namespace {
@@ -17,20 +21,114 @@ struct Options {
   std::string device;
   std::string json;
   std::string suite = "passes";
-  BenchOptions bench;
+  std::optional<int> frames;
+  std::optional<std::uint64_t> seed;
+  BenchOptions passes;
+  TrackingSuiteOptions tracking;
+  double max_speed = SynthOptions{}.linear.high;
+  double max_angular = SynthOptions{}.angular.high;
+  std::string noise = "handa";
+  std::vector<CLI::Option*> of_passes, of_tracking;  // options that only one suite knows
 };
 
-void bench(Options& o) {
-  Settings& settings = o.bench.settings;
-  settings = loadSettings(o.config);
+Settings settingsFor(const Options& o) {
+  Settings settings = loadSettings(o.config);
   settings.volume.colour = false;
   for (const std::string& assignment : o.assignments) applyAssignment(settings, assignment);
   requireConsistent(settings);
+  return settings;
+}
+
+void benchPassesOf(Options& o) {
+  o.passes.settings = settingsFor(o);
+  o.passes.frames = o.frames.value_or(o.passes.frames);
+  if (o.passes.frames > 1000)
+    throw InputError("--frames: the passes suite holds its sequence in memory; give at most 1000.");
+  o.passes.seed = o.seed.value_or(o.passes.seed);
   Device device({o.device, false});
   const BenchReport report =
-      benchPasses(device, o.bench, [](const std::string& what) { spdlog::info("{}", what); });
+      benchPasses(device, o.passes, [](const std::string& what) { spdlog::info("{}", what); });
   if (o.json != "-") std::fputs(benchTable(report).c_str(), stdout);
   writeJson(o.json, benchJson(report).dump(2));
+}
+
+void benchTracking(Options& o) {
+  TrackingSuiteOptions& t = o.tracking;
+  t.settings = settingsFor(o);
+  t.settings_name = o.config;
+  for (const std::string& assignment : o.assignments) t.settings_name += " " + assignment;
+  t.first_seed = o.seed.value_or(t.first_seed);
+  t.synth.frames = o.frames.value_or(t.synth.frames);
+  t.synth.linear = t.synth.linear.endingAt(o.max_speed);
+  t.synth.angular = t.synth.angular.endingAt(o.max_angular);
+  t.synth.noise = depthNoiseFrom(o.noise);
+  Device device({o.device, false});
+  std::FILE* out = o.json == "-" ? stderr : stdout;
+  const auto say = [&](const std::string& text) {
+    std::fputs(text.c_str(), out);
+    std::fflush(out);
+  };
+  catchInterrupts();
+  bool any = false;  // the head waits for the first row: bad input is one sentence
+  const TrackingReport report = trackSuite(
+      device, t,
+      [&](const TrackedSequence& sequence) {
+        say((any ? "" : trackingHead(device.info())) + trackingRow(sequence));
+        any = true;
+      },
+      interrupted);
+  if (any) say(trackingSummary(report));
+  writeJson(o.json, trackingJson(report).dump(2));
+  if (!report.interrupted) return;
+  spdlog::warn("Interrupted after {} sequences; the figures are of these.", report.sequences.size());
+  throw ExitCode(kExitInterrupted);
+}
+
+void bench(Options& o) {
+  const bool tracking = o.suite == "tracking";
+  for (const CLI::Option* option : tracking ? o.of_passes : o.of_tracking)
+    if (option->count() > 0)
+      throw InputError(option->get_name() + " belongs to --suite " + (tracking ? "passes" : "tracking") +
+                       "; leave it out, or choose that suite.");
+  tracking ? benchTracking(o) : benchPassesOf(o);
+}
+
+void addPassOptions(CLI::App& c, Options& o) {
+  const std::string group = "--suite passes";
+  o.of_passes = {
+      c.add_option("--repeat", o.passes.repeat, "Measurements of each figure; the median is reported")
+          ->check(CLI::Range(1, 10000))
+          ->capture_default_str()
+          ->group(group)};
+}
+
+void addTrackingOptions(CLI::App& c, Options& o) {
+  TrackingSuiteOptions& t = o.tracking;
+  o.of_tracking = {
+      c.add_option("--rooms", t.rooms, "Flights through generated rooms, one for each seed from --seed on")
+          ->check(CLI::Range(0, 100000))
+          ->capture_default_str(),
+      c.add_option(
+          "--meshes", t.mesh_folder,
+          "Folder: fly through each .ply and .obj in it as well (closed rooms or buildings in metres)"),
+      c.add_option("--sequence", t.sequences,
+                   "Recorded sequence with truth to track as well; may be repeated")
+          ->allow_extra_args(false),
+      c.add_option("--stride", t.stride, "Take every K-th frame of the recorded sequences")
+          ->check(CLI::Range(1, 1000000))
+          ->capture_default_str(),
+      c.add_option("--max-speed", o.max_speed, "Of the flights, m/s; mean and least speed follow")
+          ->check(CLI::PositiveNumber)
+          ->capture_default_str(),
+      c.add_option("--max-angular", o.max_angular, "Of the flights, rad/s")
+          ->check(CLI::NonNegativeNumber)
+          ->capture_default_str(),
+      c.add_option("--noise", o.noise, "Depth noise of the flights (see 'rosefusion synth --help')")
+          ->check(CLI::IsMember({"handa", "simkinect", "none"}))
+          ->capture_default_str(),
+      c.add_option("--work", t.work,
+                   "Keep the generated sequences here and use them again; else they are removed as it goes")};
+  for (CLI::Option* option : o.of_tracking) option->group("--suite tracking");
 }
 
 }  // namespace
@@ -38,9 +136,12 @@ void bench(Options& o) {
 void addBenchCommand(CLI::App& app) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(
-      "bench", "Time the passes on a generated sequence, beside a tuned CPU loop over the same data");
-  c->add_option("--suite", o->suite, "What to measure: passes (each compute pass on its own)")
-      ->check(CLI::IsMember({"passes"}))
+      "bench",
+      "Time the passes beside a tuned CPU loop over the same data, or measure how accurate tracking is over "
+      "many sequences");
+  c->add_option("--suite", o->suite,
+                "What to measure: passes (each compute pass on its own) or tracking (errors over sequences)")
+      ->check(CLI::IsMember({"passes", "tracking"}))
       ->capture_default_str();
   c->add_option("--config", o->config,
                 "Preset (default, paper) or YAML file; depth alone is fused unless "
@@ -49,17 +150,18 @@ void addBenchCommand(CLI::App& app) {
   c->add_option("--set", o->assignments, "Change one setting: key=value; may be repeated")
       ->allow_extra_args(false);
   c->add_option("--device", o->device, "Device by index, name or type (see 'rosefusion devices')");
-  c->add_option("--repeat", o->bench.repeat, "Measurements of each figure; the median is reported")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  c->add_option("--frames", o->bench.frames, "Length of the generated sequence")
-      ->check(CLI::Range(4, 1000))
-      ->capture_default_str();
-  c->add_option("--seed", o->bench.seed, "Of the generated sequence")->capture_default_str();
+  c->add_option("--frames", o->frames, "Length of a generated sequence [24; tracking: 240]")
+      ->check(CLI::Range(4, 10000));
+  c->add_option("--seed", o->seed, "Of the (first) generated sequence [1; tracking: 101]");
   c->add_option("--json", o->json, "Also write the figures here; '-': standard output");
+  addPassOptions(*c, *o);
+  addTrackingOptions(*c, *o);
   c->footer(
       "Examples:\n  rosefusion bench\n  rosefusion bench --device cpu --repeat 50 --json bench.json\n"
-      "On a busy machine trust the figures by CPU time (CPU devices only).");
+      "  rosefusion bench --suite tracking --rooms 20 --work out/rooms --json tracking.json\n"
+      "  rosefusion bench --suite tracking --rooms 0 --sequence rgbd_dataset_freiburg1_rpy --config paper\n"
+      "On a busy machine trust the passes' figures by CPU time (CPU devices only). In the tracking suite a\n"
+      "frame without a pose is a failure: its sequence counts as not within 3 cm, whatever its ATE.");
   c->callback([o] { bench(*o); });
 }
 

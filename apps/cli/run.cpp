@@ -1,12 +1,11 @@
 // rosefusion run: a depth sequence in; trajectory, mesh, preview and report out.
 #include <spdlog/spdlog.h>
 
-#include <atomic>
-#include <csignal>
 #include <cstdio>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/exit_code.h"
+#include "apps/cli/interrupt.h"
 #include "apps/cli/progress.h"
 #include "host/error.h"
 #include "host/file_io.h"
@@ -29,13 +28,6 @@ struct Options {
   bool validation = false;
 };
 
-std::atomic<int> interruptions{0};
-
-void onInterrupt(int) {
-  // The first Ctrl-C asks the loop to end and the files to be written, the second gives up at once.
-  if (interruptions.fetch_add(1) > 0) std::_Exit(kExitInterrupted);
-}
-
 Settings settingsFor(const Options& o) {
   Settings settings = loadSettings(o.config);
   for (const std::string& assignment : o.assignments) applyAssignment(settings, assignment);
@@ -51,10 +43,10 @@ std::string outputFolder(const Options& o) {
 }
 
 void printSummary(const RunSummary& summary, const SequenceInfo& info, const std::string& out) {
-  std::printf("%zu frames in %.1f s: %zu tracked, %zu uncertain, %zu lost, %zu skipped.\n",
+  std::printf("%zu frames in %.1f s: %zu tracked, %zu uncertain, %zu relocalised, %zu lost, %zu skipped.\n",
               summary.frames.size(), summary.seconds, summary.count(TrackingStatus::Tracked),
-              summary.count(TrackingStatus::Uncertain), summary.count(TrackingStatus::Lost),
-              summary.skipped());
+              summary.count(TrackingStatus::Uncertain), summary.count(TrackingStatus::Relocalised),
+              summary.count(TrackingStatus::Lost), summary.skipped());
   for (const RunFrame& f : summary.frames)
     if (!f.skipped && f.result.status == TrackingStatus::Lost) {
       std::printf("First lost at frame %zu: %s.\n", f.index, f.result.reason.c_str());
@@ -90,15 +82,14 @@ void run(const Options& o) {
   spdlog::info("{}: {} frames, {}; on {}", info.path.string(), info.frames, info.format, device.info().name);
   Pipeline pipeline(device, settings, info.intrinsics, info.depth_units_per_metre);
 
-  std::signal(SIGINT, onInterrupt);
-  std::signal(SIGTERM, onInterrupt);
+  catchInterrupts();
   RunSummary summary;
   {
     Progress progress("frames");
     const auto show = [&](const RunProgress& p) {
       progress.update(p.done, p.total, p.last->skipped ? "skipped" : toString(p.last->result.status));
     };
-    summary = reconstruct(*sequence, pipeline, o.run, show, [] { return interruptions > 0; });
+    summary = reconstruct(*sequence, pipeline, o.run, show, interrupted);
   }
   if (pipeline.volume().blockCount() == 0)
     throw InputError(

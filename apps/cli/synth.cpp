@@ -30,20 +30,23 @@ void settle(Arguments& a) {
   SpeedRange& linear = a.options.linear;
   const SpeedRange usual = linear;
   if (!a.high && a.mean && *a.mean > 0.8 * usual.high) a.high = *a.mean * usual.high / usual.mean;
-  linear.high = a.high.value_or(usual.high);
-  linear.mean = a.mean.value_or(linear.high * usual.mean / usual.high);
+  linear = usual.endingAt(a.high.value_or(usual.high));
+  if (a.mean) {
+    linear.mean = *a.mean;
+    linear.low = std::min(linear.low, linear.mean * usual.low / usual.mean);
+  }
   // A floor that was raised raises the mean with it.
   if (a.low && !a.mean) linear.mean = std::max(linear.mean, *a.low + 0.25 * (linear.high - *a.low));
-  linear.low =
-      a.low.value_or(std::min(linear.high * usual.low / usual.high, linear.mean * usual.low / usual.mean));
+  linear.low = a.low.value_or(linear.low);
   SpeedRange& angular = a.options.angular;
   const SpeedRange usual_turn = angular;
   if (!a.angular_high && a.angular_mean && *a.angular_mean > 0.8 * usual_turn.high)
     a.angular_high = *a.angular_mean * usual_turn.high / usual_turn.mean;
-  angular.high = a.angular_high.value_or(usual_turn.high);
-  angular.mean = a.angular_mean.value_or(angular.high * usual_turn.mean / usual_turn.high);
-  angular.low = std::min(angular.high * usual_turn.low / usual_turn.high,
-                         angular.mean * usual_turn.low / usual_turn.mean);
+  angular = usual_turn.endingAt(a.angular_high.value_or(usual_turn.high));
+  if (a.angular_mean) {
+    angular.mean = *a.angular_mean;
+    angular.low = std::min(angular.low, angular.mean * usual_turn.low / usual_turn.mean);
+  }
   Intrinsics& k = a.options.intrinsics;
   k.cx = a.cx.value_or((k.width - 1) / 2.0);
   k.cy = a.cy.value_or((k.height - 1) / 2.0);
@@ -54,7 +57,7 @@ void settle(Arguments& a) {
   const std::map<std::string, UpAxis> axes{{"guess", UpAxis::kGuess}, {"y", UpAxis::kY}, {"z", UpAxis::kZ}};
   a.options.motion = a.options.replay_file.empty() ? motions.at(a.motion) : Motion::kReplay;
   a.options.up = axes.at(a.up);
-  a.options.noise = a.noise == "none" ? DepthNoise::kNone : DepthNoise::kHanda;
+  a.options.noise = depthNoiseFrom(a.noise);
   if (a.options.motion == Motion::kReplay && !a.frames_given) a.options.frames = kAllFrames;
 }
 
@@ -141,8 +144,10 @@ void addSynthCommand(CLI::App& app) {
   c->add_option("--max-depth", a->options.max_depth, "metres; what is further reads 0")
       ->capture_default_str()
       ->group(camera);
-  c->add_option("--noise", a->noise, "depth noise: Handa et al. 2014, or none")
-      ->check(CLI::IsMember({"handa", "none"}))
+  c->add_option("--noise", a->noise,
+                "depth noise: handa (Handa et al. 2014, unbiased), simkinect (rounded as that program does, "
+                "which reads too near: 6 mm at 2 m), or none")
+      ->check(CLI::IsMember({"handa", "simkinect", "none"}))
       ->capture_default_str()
       ->group(camera);
   c->add_flag("--colour,--color", a->options.colour, "write rgb/ as well")->group(camera);

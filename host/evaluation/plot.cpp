@@ -20,27 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (fs::temp_directory_path() / "rosefusion-plot-XXXXXX").string();
-    if (!mkdtemp(pattern.data()))
-      throw InputError(pattern +
-                       ": no folder can be made for plotting; point TMPDIR to one that can be written.");
-    path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
 std::string contents(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
@@ -84,7 +63,7 @@ set linetype 4 linecolor rgb "#edae49" linewidth 2
 }  // namespace
 
 void renderPlot(const Plot& plot, const fs::path& png) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder("plot");
   for (const auto& [name, text] : plot.tables) write(folder.path() / name, text);
   std::ostringstream script;
   script << "set terminal pngcairo size " << plot.width_px << ',' << plot.height_px

@@ -98,7 +98,8 @@ std::string framesCsv(const RunSummary& summary) {
     const Eigen::Quaterniond q = canonical(Eigen::Quaterniond(r.world_from_camera.linear()));
     out << f.index << ',' << std::fixed << std::setprecision(6) << r.timestamp << ','
         << (f.skipped ? "skipped" : toString(r.status)) << ',' << csvQuoted(r.reason) << ',' << r.iterations
-        << ',' << r.lookups << ',' << r.score.residual << ',' << r.score.overlap << ',' << r.score.valid_share;
+        << ',' << r.lookups << ',' << r.score.residual << ',' << r.score.overlap << ','
+        << r.score.valid_share;
     if (r.fit)
       out << ',' << r.fit->cost << ',' << r.fit->usable << ',' << r.fit->close << ',' << r.fit->constraint;
     else

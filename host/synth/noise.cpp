@@ -22,9 +22,14 @@ double sampleDepth(const cv::Mat& depth, double u, double v) {
   return (1 - b) * ((1 - a) * top[0] + a * top[1]) + b * ((1 - a) * bottom[0] + a * bottom[1]);
 }
 
+double wholeDisparity(double disparity, DisparityRounding rounding) {
+  return rounding == DisparityRounding::kPublished ? std::floor(disparity + 0.5)
+                                                   : std::round(disparity + 0.5);
+}
+
 }  // namespace
 
-cv::Mat addHandaNoise(const cv::Mat& depth, Rng& rng) {
+cv::Mat addHandaNoise(const cv::Mat& depth, Rng& rng, DisparityRounding rounding) {
   cv::Mat noisy(depth.size(), CV_32FC1);
   for (int v = 0; v < depth.rows; ++v)
     for (int u = 0; u < depth.cols; ++u) {
@@ -32,7 +37,7 @@ cv::Mat addHandaNoise(const cv::Mat& depth, Rng& rng) {
       const double du = kJitterPixels * rng.normal(), dv = kJitterPixels * rng.normal();
       const double error = kDisparitySigma * rng.normal();
       const double z = sampleDepth(depth, u + du, v + dv);
-      const double disparity = z > 0 ? std::floor(kDisparityCm / (z * 100) + error + 0.5) : 0;
+      const double disparity = z > 0 ? wholeDisparity(kDisparityCm / (z * 100) + error, rounding) : 0;
       noisy.at<float>(v, u) = disparity > 0 ? static_cast<float>(kDisparityCm / disparity / 100) : 0.0f;
     }
   return noisy;

@@ -26,6 +26,24 @@ void requireOrdered(const SpeedRange& range, const char* what, const char* low, 
 
 }  // namespace
 
+const char* toString(DepthNoise noise) {
+  switch (noise) {
+    case DepthNoise::kHanda:
+      return "handa";
+    case DepthNoise::kSimkinect:
+      return "simkinect";
+    case DepthNoise::kNone:
+      break;
+  }
+  return "none";
+}
+
+DepthNoise depthNoiseFrom(const std::string& word) {
+  for (const DepthNoise noise : {DepthNoise::kNone, DepthNoise::kHanda, DepthNoise::kSimkinect})
+    if (word == toString(noise)) return noise;
+  throw InputError("--noise: there is no depth noise '" + word + "'; give handa, simkinect or none.");
+}
+
 void requirePlausible(const SynthOptions& o) {
   requireWithin(o.frames, 2, 1000000, "--frames", "");
   requireWithin(o.fps, 1, 1000, "--fps", " frames a second");

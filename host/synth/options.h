@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "host/camera.h"
 #include "host/synth/scene.h"
@@ -16,7 +17,15 @@ enum class Motion {
   kReplay,    ///< a recorded trajectory
 };
 
-enum class DepthNoise { kNone, kHanda };
+enum class DepthNoise {
+  kNone,
+  kHanda,      ///< as published, without bias; see addHandaNoise
+  kSimkinect,  ///< rounded as the program simkinect does: reads z^2 / 702.6 m too near
+};
+/// "none", "handa", "simkinect".
+const char* toString(DepthNoise noise);
+/// Throws InputError for another word.
+DepthNoise depthNoiseFrom(const std::string& word);
 
 /// The defaults are the default sequence: 8 s of the paper's FastCaMo-Synth recipe (section 5.1, table 1).
 struct SynthOptions {

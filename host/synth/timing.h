@@ -9,6 +9,11 @@ namespace rosefusion {
 /// Speeds in m/s or rad/s.
 struct SpeedRange {
   double low = 0, mean = 0, high = 0;
+
+  /// The range that ends at `new_high`, in the same proportions.
+  SpeedRange endingAt(double new_high) const {
+    return {new_high * low / high, new_high * mean / high, new_high};
+  }
 };
 
 /// A smooth random speed over time within a range, that starts from rest and reaches `low` after `ramp`

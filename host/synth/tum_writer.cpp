@@ -99,7 +99,10 @@ std::string synthReport(const SynthPlan& plan) {
                     {"fy", o.intrinsics.fy},       {"cx", o.intrinsics.cx},         {"cy", o.intrinsics.cy}};
   json["depth_units_per_metre"] = kSynthDepthUnitsPerMetre;
   json["max_depth_m"] = o.max_depth;
-  json["noise"] = o.noise == DepthNoise::kHanda ? "handa" : "none";
+  json["noise"] = toString(o.noise);
+  // Earlier sequences called "handa" what "simkinect" is now.
+  if (o.noise != DepthNoise::kNone)
+    json["disparity"] = o.noise == DepthNoise::kHanda ? "floor(d + n + 0.5)" : "round(d + n + 0.5)";
   json["colour"] = o.colour;
   json["up"] = {plan.scene().up.x(), plan.scene().up.y(), plan.scene().up.z()};
   json["true_motion"] = {{"linear_mean_mps", s.linear_mean},

@@ -46,12 +46,20 @@ TEST(CommandLine, BadInputEndsInOneSentenceThatNamesIt) {
     std::string named;
   };
   const std::string empty = folder.path().string();
-  for (const Case& c : {Case{"run /nowhere/at/all", "/nowhere/at/all"}, Case{"run " + empty, empty},
-                        Case{"run " + empty + " --set volume.size=3", "volume.size"},
-                        Case{"run " + empty + " --config nosuch.yaml", "nosuch.yaml"},
-                        Case{"check " + empty, empty}, Case{"eval /nowhere/a /nowhere/b", "/nowhere/"},
-                        Case{"eval-mesh /nowhere/a.ply /nowhere/b.ply", "/nowhere/a.ply"},
-                        Case{"pst --inspect /nowhere/p.bin", "/nowhere/p.bin"}}) {
+  for (const Case& c :
+       {Case{"run /nowhere/at/all", "/nowhere/at/all"}, Case{"run " + empty, empty},
+        Case{"run " + empty + " --set volume.size=3", "volume.size"},
+        Case{"run " + empty + " --config nosuch.yaml", "nosuch.yaml"}, Case{"check " + empty, empty},
+        Case{"eval /nowhere/a /nowhere/b", "/nowhere/"},
+        Case{"eval-mesh /nowhere/a.ply /nowhere/b.ply", "/nowhere/a.ply"},
+        Case{"pst --inspect /nowhere/p.bin", "/nowhere/p.bin"},
+        Case{"bench --suite tracking --meshes /nowhere/meshes", "/nowhere/meshes"},
+        Case{"bench --suite tracking --meshes " + empty, empty},
+        Case{"bench --suite tracking --sequence /nowhere/s", "/nowhere/s"},
+        Case{"bench --suite tracking --rooms 0", "--rooms"},
+        Case{"bench --suite tracking --repeat 3", "--repeat"}, Case{"bench --rooms 3", "--rooms"},
+        Case{"bench --suite tracking --max-speed 90", "--max-speed"},
+        Case{"synth " + empty + "/s --noise loud", "--noise"}}) {
     const Outcome outcome = program(c.arguments);
     EXPECT_EQ(outcome.code, kExitBadInput) << c.arguments << "\n" << outcome.text;
     EXPECT_THAT(outcome.text, HasSubstr(c.named)) << c.arguments;

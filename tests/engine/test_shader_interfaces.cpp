@@ -15,8 +15,8 @@
 #include "shaders/compute/interface/preprocess.h"
 #include "shaders/compute/interface/raycast.h"
 #include "shaders/compute/interface/raycast_range.h"
-#include "shaders/compute/interface/select_points.h"
 #include "shaders/compute/interface/refine.h"
+#include "shaders/compute/interface/select_points.h"
 #include "shaders/compute/interface/sum_check.h"
 #include "shaders/compute/interface/volume.h"
 
@@ -51,10 +51,14 @@ const std::map<std::string, ShaderStruct>& structsInCpp() {
       STRUCT(FitnessReduceParams, MEMBER(FitnessReduceParams, particles),
              MEMBER(FitnessReduceParams, slices)),
       STRUCT(IntegrateParams, MEMBER(IntegrateParams, camera_from_world),
-             MEMBER(IntegrateParams, focal_centre), MEMBER(IntegrateParams, size)),
+             MEMBER(IntegrateParams, focal_centre), MEMBER(IntegrateParams, size),
+             MEMBER(IntegrateParams, noise_floor), MEMBER(IntegrateParams, noise_growth),
+             MEMBER(IntegrateParams, pad0), MEMBER(IntegrateParams, pad1)),
       STRUCT(PreprocessParams, MEMBER(PreprocessParams, focal_centre), MEMBER(PreprocessParams, size),
              MEMBER(PreprocessParams, metres_per_unit), MEMBER(PreprocessParams, min_depth),
-             MEMBER(PreprocessParams, max_depth), MEMBER(PreprocessParams, pad0)),
+             MEMBER(PreprocessParams, max_depth), MEMBER(PreprocessParams, edge_sigmas),
+             MEMBER(PreprocessParams, noise_floor), MEMBER(PreprocessParams, noise_growth),
+             MEMBER(PreprocessParams, pad0), MEMBER(PreprocessParams, pad1)),
       STRUCT(RefineParams, MEMBER(RefineParams, huber), MEMBER(RefineParams, noise_floor),
              MEMBER(RefineParams, noise_growth), MEMBER(RefineParams, parts)),
       STRUCT(SelectParams, MEMBER(SelectParams, previous_from_current), MEMBER(SelectParams, focal_centre),

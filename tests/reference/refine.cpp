@@ -89,9 +89,9 @@ Sums terms(const VoxelValues& values, const Eigen::Vector3d& position, const Eig
   } else {
     const double residual = reading.value * model.truncation;
     const Slope read = smoothGradient(values, position);
-    const Eigen::Vector3d slope =
-        read.known ? Eigen::Vector3d(read.gradient * model.truncation / values.voxelSize())
-                   : Eigen::Vector3d::Zero();
+    const Eigen::Vector3d slope = read.known
+                                      ? Eigen::Vector3d(read.gradient * model.truncation / values.voxelSize())
+                                      : Eigen::Vector3d::Zero();
     Eigen::Matrix<double, 6, 1> jacobian, length;
     jacobian << slope, model.turn_sense * arm.cross(slope);
     length.head<3>().setConstant(slope.norm());

@@ -5,14 +5,16 @@
 
 namespace rosefusion::testing {
 
+inline SynthSequence makeShortSequence(std::uint64_t seed, int frames) {
+  SynthOptions options;
+  options.seed = seed;
+  options.frames = frames;
+  options.intrinsics = {320, 240, 160, 160, 159.5, 119.5};
+  return makeSequence(options);
+}
+
 inline const SynthSequence& shortSequence() {
-  static const SynthSequence sequence = [] {
-    SynthOptions options;
-    options.seed = 5;
-    options.frames = 16;
-    options.intrinsics = {320, 240, 160, 160, 159.5, 119.5};
-    return makeSequence(options);
-  }();
+  static const SynthSequence sequence = makeShortSequence(5, 16);
   return sequence;
 }
 

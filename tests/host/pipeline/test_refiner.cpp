@@ -17,17 +17,9 @@ constexpr double kTurnTolerance = kShiftTolerance / 2;
 
 class RefinerTest : public ValidatingDevice {
  protected:
-  /// The last frame is tracked without `border` pixels on each side.
-  void fuse(const Sequence& sequence, int border = 0) {
+  void fuse(const Sequence& sequence) {
     run_.emplace(device(), sequence, kVolume);
     run_->fuseAll();
-    if (border > 0) {
-      auto& depth = run_->sequence.images[kFrames - 1].depth;
-      const int width = sequence.camera.width, height = sequence.camera.height;
-      for (int v = 0; v < height; ++v)
-        for (int u = 0; u < width; ++u)
-          if (std::min({u, v, width - 1 - u, height - 1 - v}) < border) depth[std::size_t(v) * width + u] = 0;
-    }
     run_->load(kFrames - 1);
     truth_ = sequence.poses[kFrames - 1];
     settings_.refine.enabled = true;
@@ -115,7 +107,7 @@ TEST_F(RefinerTest, SeveralStartsKeepTheirOrder) {
 }
 
 TEST_F(RefinerTest, AlongAPlaneTheExpectedPoseDecides) {
-  fuse(wallSequence(), kBorder);
+  fuse(wallSequence());
   // Along the wall: x, y and the turn about its normal. Off it: z and the turns that tilt.
   const Pose expected = off({0.03, -0.02, 0.02}, 0.02, {0, 0, 1});
   const Pose start = off({-0.02, 0.01, -0.02}, 0.02, {1, -1, 0});

@@ -63,6 +63,18 @@ TEST(Sequence, OtherSeedsGiveOtherRoomsOfSensibleSize) {
   }
 }
 
+TEST(Sequence, SimkinectsNoiseReadsNearerAndIsNamedInTheReport) {
+  SynthOptions options = smallOptions(5, 2);
+  const SynthPlan handa(options);
+  options.noise = DepthNoise::kSimkinect;
+  const SynthPlan simkinect(options);
+  EXPECT_LT(cv::mean(simkinect.renderFrame(0).depth)[0], cv::mean(handa.renderFrame(0).depth)[0]);
+  EXPECT_EQ(nlohmann::json::parse(synthReport(handa)).at("noise"), "handa");
+  EXPECT_EQ(nlohmann::json::parse(synthReport(simkinect)).at("noise"), "simkinect");
+  for (const char* word : {"none", "handa", "simkinect"}) EXPECT_STREQ(toString(depthNoiseFrom(word)), word);
+  EXPECT_THROW(depthNoiseFrom("kinect"), InputError);
+}
+
 TEST(Sequence, NoiseCanBeTurnedOff) {
   SynthOptions options = smallOptions(5, 3);
   const SynthSequence noisy = makeSequence(options);

@@ -1,0 +1,187 @@
+#include "host/bench/tracking_suite.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
+
+#include "host/error.h"
+#include "host/file_io.h"
+#include "host/synth/tum_writer.h"
+
+namespace rosefusion {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> meshesIn(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    throw InputError(folder.string() + ": there is no such folder; --meshes takes a folder with meshes.");
+  std::vector<fs::path> meshes;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    std::string extension = entry.path().extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (extension == ".ply" || extension == ".obj") meshes.push_back(entry.path());
+  }
+  if (meshes.empty())
+    throw InputError(folder.string() + ": holds no .ply or .obj file; --meshes takes a folder with meshes.");
+  std::sort(meshes.begin(), meshes.end());
+  return meshes;
+}
+
+/// A sequence to be generated under this name.
+struct Flight {
+  std::string name;
+  SynthOptions synth;
+};
+
+std::vector<Flight> flightsOf(const TrackingSuiteOptions& options) {
+  std::vector<Flight> flights;
+  SynthOptions synth = options.synth;
+  synth.colour = options.settings.volume.colour;
+  for (int i = 0; i < options.rooms; ++i) {
+    synth.seed = options.first_seed + static_cast<std::uint64_t>(i);
+    flights.push_back({"room_" + std::to_string(synth.seed), synth});
+  }
+  synth.seed = options.first_seed;
+  if (!options.mesh_folder.empty())
+    for (const fs::path& mesh : meshesIn(options.mesh_folder)) {
+      synth.mesh_file = mesh;
+      flights.push_back({mesh.filename().string(), synth});
+    }
+  return flights;
+}
+
+bool holdsText(const fs::path& file, const std::string& text) {
+  std::ifstream in(file, std::ios::binary);
+  return in && std::string(std::istreambuf_iterator<char>(in), {}) == text;
+}
+
+std::unique_ptr<Sequence> openWithTruth(const fs::path& folder, bool colour) {
+  SequenceOptions options;
+  options.colour = colour;
+  auto sequence = openSequence(folder, options);
+  if (sequence->info().truth.empty())
+    throw InputError(folder.string() +
+                     ": has no true trajectory to measure tracking against; leave this sequence out.");
+  return sequence;
+}
+
+class Suite {
+ public:
+  Suite(Device& device, const TrackingSuiteOptions& options, const std::function<bool()>& stop)
+      : device_(device), options_(options), stop_(stop) {}
+
+  std::optional<TrackedSequence> trackGenerated(const Flight& flight) const {
+    std::optional<ScratchFolder> scratch;
+    if (options_.work.empty()) scratch.emplace("bench");
+    const fs::path folder = (scratch ? scratch->path() : options_.work) / flight.name;
+    {
+      const SynthPlan plan(flight.synth);
+      if (!holdsText(folder / "synth.json", synthReport(plan))) writeTumSequence(folder, plan, true);
+    }
+    return track(flight.name, *openWithTruth(folder, flight.synth.colour), {});
+  }
+
+  std::optional<TrackedSequence> trackRecorded(const fs::path& path) const {
+    const auto sequence = openWithTruth(path, options_.settings.volume.colour);
+    for (const std::string& warning : sequence->info().warnings) spdlog::warn("{}", warning);
+    const fs::path whole = fs::absolute(path).lexically_normal();
+    const std::string name = (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+    return track(name, *sequence, {.stride = options_.stride});
+  }
+
+ private:
+  /// Nothing when interrupted.
+  std::optional<TrackedSequence> track(const std::string& name, Sequence& sequence,
+                                       const RunOptions& run) const {
+    const SequenceInfo& info = sequence.info();
+    Pipeline pipeline(device_, options_.settings, info.intrinsics, info.depth_units_per_metre);
+    const RunSummary summary = reconstruct(sequence, pipeline, run, {}, stop_);
+    if (summary.end == RunEnd::Interrupted) return std::nullopt;
+    if (summary.end == RunEnd::DeviceFull) spdlog::warn("{}: {}", name, summary.end_reason);
+    return judge(name, summary, info, selectedFrames(sequence.size(), run).size(), pipeline);
+  }
+
+  Device& device_;
+  const TrackingSuiteOptions& options_;
+  const std::function<bool()>& stop_;
+};
+
+}  // namespace
+
+ErrorSummary TrackingReport::ateOfSequences() const {
+  std::vector<double> errors;
+  for (const TrackedSequence& s : sequences)
+    if (s.ate_m.count > 0) errors.push_back(s.ate_m.rmse);
+  return summarise(errors);
+}
+
+std::size_t TrackingReport::total(std::size_t TrackedSequence::*count) const {
+  std::size_t sum = 0;
+  for (const TrackedSequence& s : sequences) sum += s.*count;
+  return sum;
+}
+
+std::size_t TrackingReport::goodSequences() const {
+  return static_cast<std::size_t>(
+      std::count_if(sequences.begin(), sequences.end(), [](const TrackedSequence& s) { return s.good(); }));
+}
+
+TrackedSequence judge(const std::string& name, const RunSummary& summary, const SequenceInfo& info,
+                      std::size_t frames, Pipeline& pipeline) {
+  TrackedSequence out;
+  out.name = name;
+  out.tracked = summary.count(TrackingStatus::Tracked);
+  out.uncertain = summary.count(TrackingStatus::Uncertain);
+  out.lost = frames - out.tracked - out.uncertain;
+  out.report = reportJson(summary, info, pipeline);
+  const auto median = [](const nlohmann::ordered_json& figures) {
+    return figures.at("median").is_number() ? figures.at("median").get<double>() : 0;
+  };
+  out.ms_per_frame = median(out.report.at("milliseconds").at("total"));
+  out.lookups_per_frame = median(out.report.at("lookups_per_frame"));
+  if (const auto errors = errorsOf(summary, info)) {
+    out.ate_m = errors->ate_m;
+    out.te_m = errors->te_m;
+    out.good_frames = static_cast<std::size_t>(
+        std::count_if(errors->per_frame.begin(), errors->per_frame.end(),
+                      [](const FrameError& frame) { return frame.ate_m <= kGoodFrame_m; }));
+    // A recording's truth may have gaps: a pose that cannot be judged is no frame of this suite.
+    frames -= errors->estimate_poses - errors->common_poses;
+  }
+  out.frames = frames;
+  return out;
+}
+
+TrackingReport trackSuite(Device& device, const TrackingSuiteOptions& options,
+                          const std::function<void(const TrackedSequence&)>& done,
+                          const std::function<bool()>& stop) {
+  requirePlausible(options.synth);
+  const std::vector<Flight> flights = flightsOf(options);
+  for (const fs::path& path : options.sequences) openWithTruth(path, false);
+  if (flights.empty() && options.sequences.empty())
+    throw InputError("There is no sequence to track; give --rooms, --meshes or --sequence.");
+  TrackingReport report{device.info(), options, {}, false};
+  const Suite suite(device, options, stop);
+  const auto add = [&](std::optional<TrackedSequence> sequence) {
+    report.interrupted = !sequence;
+    if (!sequence) return false;
+    report.sequences.push_back(std::move(*sequence));
+    if (done) done(report.sequences.back());
+    return true;
+  };
+  for (const Flight& flight : flights)
+    if (!add(suite.trackGenerated(flight))) return report;
+  for (const fs::path& path : options.sequences)
+    if (!add(suite.trackRecorded(path))) return report;
+  return report;
+}
+
+}  // namespace rosefusion
