@@ -153,7 +153,8 @@ std::vector<SettingsField> makeTable() {
           R(&RefineSettings::minimum_move)),
 
       row(
-          "mesh.min_weight", "frames", 0, 255, "voxels seen less often are left out of the mesh",
+          "mesh.min_weight", "frames", 0, 255,
+          "voxels seen less are left out of the mesh; a frame weighs less from afar",
           [](Settings & s) -> auto& { return s.mesh.min_weight; }),
       row(
           "mesh.min_component", "triangles", 0, kMany,
