@@ -90,15 +90,17 @@ std::vector<ScannedPose> SwarmSearch::scan(const PreprocessPass& frame, const Vo
   Vector6 lengths;
   lengths << Eigen::Vector3d::Constant(shift), Eigen::Vector3d::Constant(turn);
   const int stride = settings_.swarm.levels.front().pixel_stride;
+  select_.record(recorder_, frame, {stride, stride / 2, stride / 2}, nullptr);
+  recorder_.submit();
   std::vector<ScannedPose> found;
   for (const Pose& pose : poses) {
-    select_.record(recorder_, frame, {stride, stride / 2, stride / 2}, nullptr);
     fitness_.record(recorder_, volume, select_,
                     {toShader(pose), shaderLengths(lengths, 0), shaderLengths(lengths, 3),
                      level_offsets_[level], static_cast<std::uint32_t>(swarm_template.particles.size())});
     recorder_.submit();
     const auto losses = fitness_.losses();
     ScannedPose best;
+    best.lookups = losses.size() * std::uint64_t(select_.selected());
     for (std::size_t i = 0; i < losses.size(); ++i) {
       if (losses[i] < 0 || losses[i] >= best.loss) continue;
       best.loss = losses[i];

@@ -21,6 +21,7 @@ struct PoseScore {
 struct ScannedPose {
   Pose world_from_camera = Pose::Identity();
   double loss = 1;
+  std::uint64_t lookups = 0;  ///< TSDF lookups spent
 };
 
 struct SwarmResult {

@@ -94,6 +94,7 @@ TrackResult Tracker::relocalise(const PreprocessPass& frame, const Volume& volum
   std::vector<Pose> centres = keyframes_;
   centres.push_back(last_);
   std::vector<ScannedPose> scanned = search_.scan(frame, volume, centres, kScanShift, kScanTurn);
+  for (const ScannedPose& pose : scanned) result.lookups += pose.lookups;
   const std::size_t kept = std::min(kScanKept, scanned.size());
   std::partial_sort(scanned.begin(), scanned.begin() + static_cast<std::ptrdiff_t>(kept), scanned.end(),
                     [](const ScannedPose& a, const ScannedPose& b) { return a.loss < b.loss; });
