@@ -71,6 +71,13 @@ PoseFit fitOf(const Pose& pose, const RefineSums& sums, double points, double co
   return fit;
 }
 
+/// To (u z, v z, z), pixels.
+Eigen::Matrix4d imageFromCamera(const Intrinsics& k) {
+  Eigen::Matrix4d out = Eigen::Matrix4d::Identity();
+  out.topLeftCorner<3, 3>() << k.fx, 0, k.cx, 0, k.fy, k.cy, 0, 0, 1;
+  return out;
+}
+
 /// One start's descent.
 struct Descent {
   Pose pose;
@@ -85,11 +92,14 @@ struct Descent {
 Refiner::Refiner(Device& device, const Settings& settings, const Intrinsics& intrinsics)
     : settings_(settings.refine),
       weights_{static_cast<float>(settings.refine.huber), toShader(settings.depth)},
+      image_size_(intrinsics.width, intrinsics.height),
+      image_from_camera_(imageFromCamera(intrinsics)),
       recorder_(device),
       select_(device, toShader(intrinsics)),
       refine_(device) {}
 
-void Refiner::look(const PreprocessPass& frame, int stride) {
+void Refiner::look(const PreprocessPass& frame, int stride, const std::optional<Pose>& last) {
+  last_ = last;
   select_.record(recorder_, frame, {stride, stride / 2, stride / 2}, nullptr);
   recorder_.submit();
 }
@@ -99,9 +109,13 @@ std::uint64_t Refiner::takePointsRead() {
 }
 
 std::vector<RefineSums> Refiner::evaluate(const Volume& volume, std::span<const Pose> poses) {
-  std::vector<glm::mat4> matrices;
-  for (const Pose& pose : poses) matrices.push_back(toShader(pose));
-  refine_.record(recorder_, volume, select_, matrices, weights_);
+  std::vector<shader::RefineCandidate> candidates;
+  for (const Pose& pose : poses) {
+    const Pose last_from_camera = last_ ? last_->inverse() * pose : Pose::Identity();
+    candidates.push_back(
+        {toShader(pose), toShader(Eigen::Matrix4d(image_from_camera_ * last_from_camera.matrix()))});
+  }
+  refine_.record(recorder_, volume, select_, candidates, image_size_, weights_);
   recorder_.submit();
   points_read_ += std::uint64_t(poses.size()) * select_.selected();
   return refine_.sums();

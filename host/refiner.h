@@ -1,6 +1,7 @@
 // Moves poses onto the model's surface: damped Gauss-Newton on the trilinear TSDF (after Bylow et al. 2013),
 // several starts at once; the sums come from the device, the 6 x 6 systems are solved here.
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,8 +24,10 @@ class Refiner {
  public:
   Refiner(Device& device, const Settings& settings, const Intrinsics& intrinsics);
 
-  /// Which pixels the next calls look at: every stride-th of the frame.
-  void look(const PreprocessPass& frame, int stride);
+  /// Which pixels the next calls look at: every stride-th of the frame. `last`: the last frame's pose; what
+  /// its image did not hold may be missing in the model. Without it, whatever is missing counts against a
+  /// pose.
+  void look(const PreprocessPass& frame, int stride, const std::optional<Pose>& last = {});
   /// Descends from each start; the results keep the starts' order. `expected`: the pose that the motion model
   /// speaks for; it decides in directions that the depth does not constrain (refine.least_constraint).
   std::vector<PoseFit> refine(const Volume& volume, std::span<const Pose> starts, int iterations,
@@ -37,6 +40,9 @@ class Refiner {
 
   const RefineSettings settings_;
   const RefineWeights weights_;
+  const glm::ivec2 image_size_;
+  const Eigen::Matrix4d image_from_camera_;
+  std::optional<Pose> last_;
   Recorder recorder_;
   SelectPointsPass select_;
   RefinePass refine_;

@@ -9,11 +9,14 @@
 
 namespace rosefusion {
 
-inline glm::mat4 toShader(const Pose& pose) {
-  glm::mat4 out(1);
+inline glm::mat4 toShader(const Eigen::Matrix4d& matrix) {
+  glm::mat4 out;
   for (int column = 0; column < 4; ++column)
-    for (int row = 0; row < 3; ++row) out[column][row] = static_cast<float>(pose.matrix()(row, column));
+    for (int row = 0; row < 4; ++row) out[column][row] = static_cast<float>(matrix(row, column));
   return out;
+}
+inline glm::mat4 toShader(const Pose& pose) {
+  return toShader(pose.matrix());
 }
 
 inline shader::CameraIntrinsics toShader(const Intrinsics& k) {

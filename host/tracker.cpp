@@ -72,7 +72,7 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, do
     search(frame, volume, start, result);
     descendFrom({result.world_from_camera});
   };
-  refiner_.look(frame, s.coarse_pixel_stride);
+  refiner_.look(frame, s.coarse_pixel_stride, last_);
   descendFrom({expected, last_});
   searchFrom(best.world_from_camera);  // ends after max_empty_sets iterations where nothing better is near
   if (suspicious(best.cost)) {
@@ -82,7 +82,7 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, do
   costs_.push_back(best.cost);
   if (costs_.size() > kRememberedCosts) costs_.pop_front();
 
-  refiner_.look(frame, s.pixel_stride);
+  refiner_.look(frame, s.pixel_stride, last_);
   result.fit = refiner_.refine(volume, std::vector<Pose>{best.world_from_camera}, s.iterations, expected)[0];
   result.world_from_camera = result.fit->world_from_camera;
   result.lookups += kVoxelsPerPoint * refiner_.takePointsRead();

@@ -10,21 +10,23 @@ using namespace shader;
 RefinePass::RefinePass(Device& device) : device_(device) {}
 
 void RefinePass::record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points,
-                        std::span<const glm::mat4> world_from_camera, const RefineWeights& weights) {
+                        std::span<const RefineCandidate> candidates, glm::ivec2 last_size,
+                        const RefineWeights& weights) {
   // Parts for all of a CPU's cores, or enough to fill a GPU with a few candidates.
   const std::uint32_t wanted = device_.info().type == DeviceType::Cpu ? 16 : 128;
-  count_ = static_cast<std::uint32_t>(world_from_camera.size());
+  count_ = static_cast<std::uint32_t>(candidates.size());
   parts_ = std::max(wanted, points.cells() / (kRefineGroup * (kLongestLoop / 32)) + 1);
-  if (candidates_.bytes() < world_from_camera.size_bytes())
-    candidates_ = Buffer(device_, world_from_camera.size_bytes(), Memory::Upload);
-  std::memcpy(candidates_.as<char>().data(), world_from_camera.data(), world_from_camera.size_bytes());
+  if (candidates_.bytes() < candidates.size_bytes())
+    candidates_ = Buffer(device_, candidates.size_bytes(), Memory::Upload);
+  std::memcpy(candidates_.as<char>().data(), candidates.data(), candidates.size_bytes());
   const std::uint64_t bytes = sizeof(float) * kRefineSums * count_ * parts_;
   if (sums_.bytes() < bytes) sums_ = Buffer(device_, bytes, Memory::Readback);
 
   Kernel& kernel = kernels_[volume.chunks()];
   if (!kernel)
     kernel = Kernel(device_, shaderCode("refine"), kRefineBindings, sizeof(RefineParams), {volume.chunks()});
-  const RefineParams params{weights.huber, weights.noise.floor, weights.noise.growth, parts_};
+  const RefineParams params{weights.huber, weights.noise.floor, weights.noise.growth, parts_,
+                            glm::ivec4(last_size, 0, 0)};
   const Buffer* buffers[kRefineBindings] = {&volume.layoutBuffer(), &volume.table()};
   for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk)
     buffers[kRefineBindTsdf + chunk] = &volume.tsdf(chunk);

@@ -26,10 +26,11 @@ class RefinePass {
  public:
   explicit RefinePass(Device& device);
 
-  /// At each of `world_from_camera`. Points without a distance (truncated or unobserved voxels beside them)
-  /// count only in the costs.
+  /// At each candidate. Points without a distance (truncated or unobserved voxels beside them) count only in
+  /// the costs, and there only where the last image, of `last_size` pixels, holds them.
   void record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points,
-              std::span<const glm::mat4> world_from_camera, const RefineWeights& weights);
+              std::span<const shader::RefineCandidate> candidates, glm::ivec2 last_size,
+              const RefineWeights& weights);
   /// After the submit: one entry per pose, in their order.
   std::vector<RefineSums> sums() const;
 

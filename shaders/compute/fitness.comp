@@ -9,6 +9,7 @@
 #define VOLUME_TABLE kFitnessBindTable
 #define VOLUME_TSDF kFitnessBindTsdf
 #include "shaders/compute/lib/compensated_sum.glsl"
+#include "shaders/compute/lib/in_image.glsl"
 #include "shaders/compute/lib/pose.glsl"
 #include "shaders/compute/lib/volume.glsl"
 
@@ -23,12 +24,6 @@ layout(std430, binding = kFitnessBindPoints) readonly restrict buffer Points { v
 layout(std430, binding = kFitnessBindCount) readonly restrict buffer Count { uint count[]; };
 layout(std430, binding = kFitnessBindPartial) writeonly restrict buffer Partial { vec4 partial[]; };
 layout(std430, binding = kFitnessBindOverlap) readonly restrict buffer Overlap { OverlapView overlap; };
-
-// Whether the last frame's image holds the point (u z, v z, z).
-bool inLastImage(vec3 h) {
-  vec2 limit = (vec2(overlap.size.xy) - 0.5) * h.z;
-  return h.z > 0.0 && h.x >= -0.5 * h.z && h.y >= -0.5 * h.z && h.x < limit.x && h.y < limit.y;
-}
 
 void main() {
   // One invocation carries several particles, so that a point is fetched once for all of them.
@@ -68,7 +63,7 @@ void main() {
       float psi = tsdfNearest(rotation[k] * point + translation[k]);
       float term = kLoss == kLossSquared ? psi * psi : abs(psi);
       if (kOverlapPerParticle) {
-        bool counts = inLastImage(image_rotation[k] * point + image_translation[k]);
+        bool counts = inImage(image_rotation[k] * point + image_translation[k], overlap.size.xy);
         term = counts ? term : 0.0;
         counted[k] += counts ? 1.0 : 0.0;
       }

@@ -11,6 +11,7 @@
 #define VOLUME_TSDF kRefineBindTsdf
 #include "shaders/compute/lib/compensated_sum.glsl"
 #include "shaders/compute/lib/depth_noise.glsl"
+#include "shaders/compute/lib/in_image.glsl"
 #include "shaders/compute/lib/volume.glsl"
 
 #include "shaders/compute/lib/interpolate.glsl"
@@ -19,7 +20,7 @@ layout(local_size_x = kRefineGroup) in;
 layout(push_constant) uniform Push { RefineParams params; };
 layout(std430, binding = kRefineBindPoints) readonly restrict buffer Points { vec4 points[]; };
 layout(std430, binding = kRefineBindCount) readonly restrict buffer Count { uint count[]; };
-layout(std430, binding = kRefineBindCandidates) readonly restrict buffer Candidates { mat4 candidates[]; };
+layout(std430, binding = kRefineBindCandidates) readonly restrict buffer Candidates { RefineCandidate candidates[]; };
 layout(std430, binding = kRefineBindSums) writeonly restrict buffer Sums { float sums[]; };
 
 shared float s_sums[kRefineSums * kRefineGroup];
@@ -38,8 +39,9 @@ bool insideTruncation(Cell c) {
 
 void main() {
   uint lane = gl_LocalInvocationID.x, part = gl_WorkGroupID.x, candidate = gl_WorkGroupID.y;
-  mat3 turn = mat3(candidates[candidate]);
-  vec3 shift = candidates[candidate][3].xyz * volume.scale.y - vec3(volume.table_origin.xyz * kBlockSide);
+  mat3 turn = mat3(candidates[candidate].world_from_camera);
+  mat4 last_image = candidates[candidate].last_image_from_camera;
+  vec3 shift = candidates[candidate].world_from_camera[3].xyz * volume.scale.y - vec3(volume.table_origin.xyz * kBlockSide);
   vec3 last = vec3(volume.table_size.xyz * kBlockSide) - 3.0;
   float truncation = volume.scale.z;
   float most = robust(truncation);  // cost of a point that finds no surface
@@ -55,12 +57,13 @@ void main() {
     // Poses are told apart by how much of the image they explain: in the cost, noise matters only beyond huber.
     float noise = depthNoise(params.noise_floor, params.noise_growth, p.z) / params.huber;
     float cost_weight = 1.0 / (1.0 + noise * noise);
-    add(sum[kRefineMostCost], cost_weight * most);
     // Outside the table the border blocks are read, which hold no distance.
     vec3 position = clamp(arm * volume.scale.y + shift, vec3(2.0), last);
     bool usable = insideTruncation(cellAt(position));
     Neighbourhood near = neighbourhoodOf(position);
     float residual = near.value * truncation;
+    if (!usable && !inImage((last_image * vec4(p, 1.0)).xyz, params.last_size.xy)) continue;
+    add(sum[kRefineMostCost], cost_weight * most);
     add(sum[kRefineCost], cost_weight * (usable ? robust(residual) : most));
     if (!usable) continue;
     add(sum[kRefineCostWeight], cost_weight);

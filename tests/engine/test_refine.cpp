@@ -17,7 +17,7 @@ constexpr int kFrames = 3;
 // test much.
 constexpr double kWideShare = 0.1;
 // Float values, so that both sides weigh by the same numbers.
-constexpr reference::RefineModel kModel{
+const reference::RefineModel kSensor{
     .truncation = kVolume.truncation, .huber = 0.02f, .noise = {.floor = 0.005f, .growth = 0.0019f}};
 
 class Refine : public ValidatingDevice, public ::testing::WithParamInterface<Intrinsics> {
@@ -33,6 +33,8 @@ class Refine : public ValidatingDevice, public ::testing::WithParamInterface<Int
     const auto selection = selectPoints(run_->referenceImage(kFrames - 1), GetParam(), kGrid.stride,
                                         kGrid.offset_x, kGrid.offset_y, nullptr);
     for (const auto& candidate : selection.points) reference_points_.push_back(candidate.point);
+    model_.last_from_world = asFloats(run_->sequence.poses[kFrames - 2].inverse());
+    model_.last_camera = GetParam();
     // The truth, a few centimetres and degrees off it, and so far off that little overlaps.
     const Pose truth = run_->sequence.poses[kFrames - 1];
     for (const double off : {0.0, 0.2, -0.5, 1.0, -2.0, 6.0}) {
@@ -55,11 +57,15 @@ class Refine : public ValidatingDevice, public ::testing::WithParamInterface<Int
     run.recorder.submit();
   }
   std::vector<RefineSums> sums(SceneRun& run, const std::vector<Pose>& poses) {
-    std::vector<glm::mat4> matrices;
-    for (const Pose& pose : poses) matrices.push_back(onDevice(pose));
+    const Intrinsics& k = GetParam();
+    const glm::mat4 image(glm::vec4(k.fx, 0, 0, 0), glm::vec4(0, k.fy, 0, 0), glm::vec4(k.cx, k.cy, 1, 0),
+                          glm::vec4(0, 0, 0, 1));
+    std::vector<shader::RefineCandidate> candidates;
+    for (const Pose& pose : poses)
+      candidates.push_back({onDevice(pose), image * onDevice(Pose(model_.last_from_world * pose))});
     pass_.emplace(device());
-    pass_->record(run.recorder, run.volume, *points_, matrices,
-                  {static_cast<float>(kModel.huber), onDevice(kModel.noise)});
+    pass_->record(run.recorder, run.volume, *points_, candidates, {k.width, k.height},
+                  {static_cast<float>(model_.huber), onDevice(model_.noise)});
     run.recorder.submit();
     return pass_->sums();
   }
@@ -84,13 +90,14 @@ class Refine : public ValidatingDevice, public ::testing::WithParamInterface<Int
   reference::TsdfContents reference_contents_;
   std::vector<Eigen::Vector3d> reference_points_;
   std::vector<Pose> poses_;
+  reference::RefineModel model_ = kSensor;
 };
 
 TEST_P(Refine, AgreesWithTheReferenceAtSeveralPoses) {
   ASSERT_GT(reference_points_.size(), 600u);
   const auto measured = sums(*run_, poses_);
   ASSERT_EQ(measured.size(), poses_.size());
-  const auto result = compareWith(measured, kModel);
+  const auto result = compareWith(measured, model_);
   EXPECT_TRUE(agrees(result, kWideShare));
   EXPECT_EQ(result.compared, poses_.size() * reference::kRefineSums);
   // The poses hold what the pass has to tell apart.
@@ -106,10 +113,10 @@ TEST_P(Refine, AgreesWithTheReferenceAtSeveralPoses) {
 
 TEST_P(Refine, ComparisonSeesAWrongCoefficient) {
   const auto measured = sums(*run_, poses_);
-  EXPECT_TRUE(agrees(compareWith(measured, kModel), kWideShare));
-  EXPECT_TRUE(differs(compareWith(measured, kModel, kVolume.voxel_size * 1.002)));
+  EXPECT_TRUE(agrees(compareWith(measured, model_), kWideShare));
+  EXPECT_TRUE(differs(compareWith(measured, model_, kVolume.voxel_size * 1.002)));
   const auto wrong = [&](const std::function<void(reference::RefineModel&)>& change) {
-    reference::RefineModel model = kModel;
+    reference::RefineModel model = model_;
     change(model);
     return compareWith(measured, model);
   };
@@ -119,15 +126,19 @@ TEST_P(Refine, ComparisonSeesAWrongCoefficient) {
   EXPECT_TRUE(differs(wrong([](auto& m) { m.noise.growth *= 1.01; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.noise.growth = 0; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.turn_sense = -1; })));
+  EXPECT_TRUE(differs(wrong([](auto& m) { m.last_camera.cx += 3; })));
+  EXPECT_TRUE(differs(wrong([](auto& m) { m.last_camera.width = 100 * m.last_camera.width; })));
+  EXPECT_TRUE(differs(wrong([](auto& m) { m.last_from_world.translation().x() += 0.02; })));
   const std::vector<Pose> right = poses_;
   for (Pose& pose : poses_) pose.translation().y() += 0.001;
-  EXPECT_TRUE(differs(compareWith(measured, kModel)));
+  EXPECT_TRUE(differs(compareWith(measured, model_)));
   poses_ = right;
   for (Pose& pose : poses_) pose.rotate(Eigen::AngleAxisd(0.001, Eigen::Vector3d::UnitX()));
-  EXPECT_TRUE(differs(compareWith(measured, kModel)));
+  EXPECT_TRUE(differs(compareWith(measured, model_)));
   poses_ = right;
-  reference_points_.pop_back();
-  EXPECT_TRUE(differs(compareWith(measured, kModel)));
+  reference_points_.erase(reference_points_.begin() +
+                          static_cast<std::ptrdiff_t>(reference_points_.size() / 2));
+  EXPECT_TRUE(differs(compareWith(measured, model_)));
 }
 
 TEST_P(Refine, PosesDoNotInfluenceOneAnother) {
@@ -153,7 +164,9 @@ TEST_P(Refine, SeveralPoolBuffersGiveTheSameSums) {
 }
 
 TEST_P(Refine, WithoutASurfaceOnlyTheCostsCount) {
-  // An empty volume, and poses that look from beyond the table at nothing.
+  // An empty volume, and poses that look from beyond the table at nothing, which the last image is to have
+  // seen.
+  const auto seeAll = [&] { model_.last_from_world = poses_.front().inverse(); };
   SceneRun empty(device(), run_->sequence, kVolume);
   const auto check = [&](const std::vector<RefineSums>& measured) {
     for (const RefineSums& s : measured) {
@@ -165,10 +178,13 @@ TEST_P(Refine, WithoutASurfaceOnlyTheCostsCount) {
       EXPECT_GT(s[shader::kRefineMostCost], 0);
     }
   };
+  poses_.resize(1);
+  seeAll();
   check(sums(empty, poses_));
   for (const Eigen::Vector3d& away : {Eigen::Vector3d(100, 0, 0), Eigen::Vector3d(0, -1e6, 0),
                                       Eigen::Vector3d(0, 0, 1e7), Eigen::Vector3d(-30, 0, 0)}) {
-    for (Pose& pose : poses_) pose.translation() = away;
+    poses_.front().translation() = away;
+    seeAll();
     check(sums(*run_, poses_));
   }
 }

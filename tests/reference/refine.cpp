@@ -14,6 +14,7 @@ constexpr double kVoxelError = 2e-4;
 // Of a term, relative to the sizes of its factors: some ten single-precision operations on each, and the
 // interpolation's 27 products of numbers up to 1 where the gradient is about a third (6e-8 * 27 * 3).
 constexpr double kTermTolerance = 6e-6;
+constexpr double kSeenError = 2e-6;  // of a point's place before the last camera, relative: single precision
 constexpr double kTruncated = 0.999;
 constexpr double kWide = 0.01;
 
@@ -75,16 +76,24 @@ double robust(double distance, double huber) {
   return a < huber ? a * a / 2 : huber * a - huber * huber / 2;
 }
 
+bool heldBy(const Intrinsics& k, const Eigen::Vector3d& point) {
+  if (point.z() <= 0) return false;
+  const double u = k.fx * point.x() / point.z() + k.cx, v = k.fy * point.y() / point.z() + k.cy;
+  return u >= -0.5 && v >= -0.5 && u < k.width - 0.5 && v < k.height - 0.5;
+}
+
 /// What a point adds to the sums when it reads the volume at `position` (voxels); `arm`: from the camera's
-/// centre, in world axes; `size`: bounds on the terms, from the lengths of their factors.
+/// centre, in world axes; `held_by_last`: whether the last image holds it; `size`: bounds on the terms, from
+/// the lengths of their factors.
 Sums terms(const VoxelValues& values, const Eigen::Vector3d& position, const Eigen::Vector3d& arm, double z,
-           const RefineModel& model, Sums* size) {
+           bool held_by_last, const RefineModel& model, Sums* size) {
   Sums out = Sums::Zero(), bound = Sums::Zero();
   const double noise = model.noise.deviation(z);
   const double cost_weight = model.huber * model.huber / (model.huber * model.huber + noise * noise);
   out[28] = cost_weight * robust(model.truncation, model.huber);
   const Reading reading = interpolate(values, position);
   if (!reading.usable) {
+    if (!held_by_last) out[28] = 0;
     out[27] = out[28];
   } else {
     const double residual = reading.value * model.truncation;
@@ -124,13 +133,16 @@ std::vector<SumRange> refineSums(const VoxelValues& values, std::span<const Eige
   for (const Eigen::Vector3d& point : points) {
     const Eigen::Vector3d arm = world_from_camera.linear() * point;
     const Eigen::Vector3d position = (arm + world_from_camera.translation()) / values.voxelSize();
+    const Eigen::Vector3d seen = model.last_from_world * (arm + world_from_camera.translation());
     Sums size;
-    Sums low = terms(values, position, arm, point.z(), model, &size), high = low;
+    Sums low = terms(values, position, arm, point.z(), heldBy(model.last_camera, seen), model, &size),
+         high = low;
     // The terms are smooth within a cell, so the corners of what rounding can reach hold their extremes, and
     // they lie in every cell that it can reach.
     for (int i = 0; i < 8; ++i) {
       const Eigen::Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
-      const Sums at = terms(values, position + kVoxelError * sign, arm, point.z(), model, nullptr);
+      const bool held = heldBy(model.last_camera, seen + kSeenError * seen.norm() * sign);
+      const Sums at = terms(values, position + kVoxelError * sign, arm, point.z(), held, model, nullptr);
       low = low.cwiseMin(at);
       high = high.cwiseMax(at);
     }

@@ -13,6 +13,8 @@ struct RefineModel {
   double huber = 0.02;       ///< metres
   DepthNoise noise;
   double turn_sense = 1;  ///< of the turns' derivatives; -1 only to be wrong
+  Pose last_from_world = Pose::Identity();
+  Intrinsics last_camera;
 };
 
 /// A sum lies in [low, high]: the voxels' neighbourhoods are read at positions that single precision moves,

@@ -13,13 +13,15 @@ const uint kRefineBindTable = 1u;
 const uint kRefineBindTsdf = 2u;  // kMaxPoolChunks bindings
 const uint kRefineBindPoints = 6u;
 const uint kRefineBindCount = 7u;
-const uint kRefineBindCandidates = 8u;  // mat4 world_from_camera per candidate
+const uint kRefineBindCandidates = 8u;  // RefineCandidate
 const uint kRefineBindSums = 9u;        // kRefineSums floats per candidate and part
 const uint kRefineBindings = 10u;
 
 // What is summed over the points, in this order. The unknowns are (x, y, z, wx, wy, wz): a shift of the
 // camera in the world and a small turn about the camera's centre, applied on the left.
-// J holds only the points whose 27 voxels around are all inside the truncation.
+// J holds only the points whose 27 voxels around are all inside the truncation. The costs hold the points
+// that read a distance and those that the last image should have told of: what comes newly into view speaks
+// neither for a pose nor against it.
 const uint kRefineHessian = 0u;      // upper triangle of J^T W J, row by row
 const uint kRefineGradient = 21u;    // J^T W r
 const uint kRefineCost = 27u;        // robust cost, the most possible for points without a distance
@@ -29,11 +31,17 @@ const uint kRefineUsable = 30u;  // points that read a distance: all eight voxel
 const uint kRefineClose = 31u;   // of these, nearer to the surface than RefineParams.huber
 const uint kRefineSums = 32u;
 
+struct RefineCandidate {
+  mat4 world_from_camera;
+  mat4 last_image_from_camera;  // to (u z, v z, z) of the last frame's image, pixels
+};
+
 struct RefineParams {
   float huber;        // metres; larger residuals count linearly
   float noise_floor;  // see lib/depth_noise.glsl
   float noise_growth;
   uint parts;
+  ivec4 last_size;  // of the last image, pixels; z, w: unused
 };
 
 #ifdef __cplusplus
