@@ -17,7 +17,8 @@ packages=(
 )
 case "${1:-}" in
   "") ;;
-  --tests) packages+=(git vulkan-validationlayers libgtest-dev libgmock-dev) ;;
+  --tests) packages+=(git vulkan-validationlayers libgtest-dev libgmock-dev
+    pybind11-dev python3-dev python3-numpy) ;;
   *) fail "there is no option '$1'; known is --tests." ;;
 esac
 

@@ -11,9 +11,13 @@ if(CCACHE_PROGRAM AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(rosefusion_options INTERFACE -fpch-preprocess)  # lets ccache see through the header
 endif()
 if(ROSEFUSION_SANITIZE)
-  target_compile_options(rosefusion_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined
+  set(sanitizers address,undefined)
+  if(ROSEFUSION_SANITIZE STREQUAL "thread")
+    set(sanitizers thread)
+  endif()
+  target_compile_options(rosefusion_options INTERFACE -fsanitize=${sanitizers} -fno-sanitize-recover=undefined
                                                      -fno-omit-frame-pointer)
-  target_link_options(rosefusion_options INTERFACE -fsanitize=address,undefined)
+  target_link_options(rosefusion_options INTERFACE -fsanitize=${sanitizers})
 endif()
 
 add_library(rosefusion_common INTERFACE)

@@ -5,9 +5,6 @@
 #include <chrono>
 #include <cstdio>
 
-#include "host/error.h"
-#include "host/shader_types.h"
-
 namespace rosefusion {
 namespace {
 
@@ -85,17 +82,6 @@ void judgeConstraint(const RefineSettings& limits, FrameResult& result) {
   result.reason = "the depth leaves a direction open, as a flat wall does; past motion holds it";
 }
 
-std::vector<std::uint32_t> packColour(const cv::Mat& bgr) {
-  std::vector<std::uint32_t> rgb;
-  rgb.reserve(bgr.total());
-  for (int row = 0; row < bgr.rows; ++row)
-    for (int column = 0; column < bgr.cols; ++column) {
-      const auto& p = bgr.at<cv::Vec3b>(row, column);
-      rgb.push_back(p[2] | p[1] << 8 | p[0] << 16);
-    }
-  return rgb;
-}
-
 }  // namespace
 
 const char* toString(TrackingStatus status) {
@@ -113,9 +99,7 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
       depth_units_per_metre_(depth_units_per_metre),
       recorder_(device),
       volume_(device, volumeOptions(settings)),
-      preprocess_(device, toShader(intrinsics)),
-      allocate_(device),
-      integrate_(device),
+      fuser_(makeFuser()),
       tracker_(device, settings, intrinsics, templatesFor(settings)) {}
 
 FrameResult Pipeline::processFrame(const Frame& frame) {
@@ -124,7 +108,8 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
   const StageTimer total(result.milliseconds.total);
   {
     const StageTimer timer(result.milliseconds.preprocess);
-    preprocess(frame);
+    fuser_.recordFrame(recorder_, frame);
+    recorder_.submit();
   }
   {
     const StageTimer timer(result.milliseconds.track);
@@ -144,32 +129,16 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
   return result;
 }
 
-void Pipeline::preprocess(const Frame& frame) {
-  const cv::Mat depth = frame.depth.isContinuous() ? frame.depth : frame.depth.clone();
-  if (depth.type() != CV_16UC1 || depth.cols != intrinsics_.width || depth.rows != intrinsics_.height)
-    throw InputError("A depth frame must be a 16-bit image of " + std::to_string(intrinsics_.width) + " x " +
-                     std::to_string(intrinsics_.height) + " pixels, as the camera was described.");
-  preprocess_.record(recorder_, {depth.ptr<std::uint16_t>(), depth.total()},
-                     static_cast<float>(1 / depth_units_per_metre_), static_cast<float>(settings_.depth.min),
-                     static_cast<float>(settings_.depth.max), static_cast<float>(settings_.depth.edge_sigmas),
-                     toShader(settings_.depth));
-  recorder_.submit();
-  if (settings_.volume.colour && frame.colour.size() == depth.size() && frame.colour.type() == CV_8UC3)
-    preprocess_.setColour(packColour(frame.colour));
-  else
-    preprocess_.clearColour();
-}
-
 void Pipeline::track(FrameResult& result) {
   result.world_from_camera = tracker_.last();
-  result.score = tracker_.score(preprocess_, volume_, tracker_.last());
+  result.score = tracker_.score(fuser_.frame(), volume_, tracker_.last());
   if (!started_) {
     result.score.residual = 0;  // there is no model yet to differ from
     judge(settings_.tracking, result);
     return;
   }
   if (result.score.valid_share < settings_.tracking.min_valid_share) return judge(settings_.tracking, result);
-  const TrackResult found = tracker_.track(preprocess_, volume_, result.timestamp);
+  const TrackResult found = tracker_.track(fuser_.frame(), volume_, result.timestamp);
   result.iterations = found.iterations;
   result.lookups = found.lookups;
   result.fit = found.fit;
@@ -180,7 +149,7 @@ void Pipeline::track(FrameResult& result) {
     result.reason = agrees ? "found again; fused once the next frames agree"
                            : "the frame fits nowhere in the model surely enough";
   } else {
-    result.score = tracker_.score(preprocess_, volume_, found.world_from_camera);
+    result.score = tracker_.score(fuser_.frame(), volume_, found.world_from_camera);
     judge(settings_.tracking, result);
     judgeConstraint(settings_.refine, result);
   }
@@ -188,15 +157,25 @@ void Pipeline::track(FrameResult& result) {
 }
 
 void Pipeline::integrate(const Pose& world_from_camera) {
-  const auto camera = toShader(intrinsics_);
   do {
-    allocate_.record(recorder_, volume_, preprocess_, camera, toShader(world_from_camera));
+    fuser_.recordSearch(recorder_, volume_, world_from_camera);
     recorder_.submit();
-  } while (allocate_.finish(volume_));
-  integrate_.record(recorder_, volume_, preprocess_, camera, toShader(world_from_camera.inverse()),
-                    static_cast<float>(settings_.depth.max + settings_.volume.truncation),
-                    toShader(settings_.depth));
+  } while (fuser_.grow(volume_));
+  fuser_.recordFusion(recorder_, volume_, world_from_camera);
   recorder_.submit();
+}
+
+void Pipeline::fuseFrame(const Frame& frame, const Pose& world_from_camera) {
+  fuser_.recordFrame(recorder_, frame);
+  recorder_.submit();
+  integrate(world_from_camera);
+  accept(world_from_camera, frame.timestamp);
+}
+
+void Pipeline::accept(const Pose& world_from_camera, double timestamp) {
+  started_ = true;
+  unconfirmed_ = 0;
+  tracker_.accept(world_from_camera, timestamp, true);
 }
 
 }  // namespace rosefusion

@@ -2,9 +2,7 @@
 #pragma once
 #include <string>
 
-#include "engine/passes/allocate.h"
-#include "engine/passes/integrate.h"
-#include "host/frame.h"
+#include "host/frame_fuser.h"
 #include "host/tracker.h"
 
 namespace rosefusion {
@@ -44,6 +42,11 @@ class Pipeline {
   /// fused. Throws DeviceError (OutOfMemory) when the model outgrows the device: what was fused before stays
   /// whole.
   FrameResult processFrame(const Frame& frame);
+  /// Fuses a frame whose pose is known; tracking goes on from there. Throws as processFrame().
+  void fuseFrame(const Frame& frame, const Pose& world_from_camera);
+  /// Tells that a frame of known pose was fused into volume() by a fuser of the caller's.
+  void accept(const Pose& world_from_camera, double timestamp);
+  FrameFuser makeFuser() { return {device_, settings_, intrinsics_, depth_units_per_metre_}; }
 
   Device& device() { return device_; }
   Volume& volume() { return volume_; }
@@ -51,7 +54,6 @@ class Pipeline {
   const Intrinsics& intrinsics() const { return intrinsics_; }
 
  private:
-  void preprocess(const Frame& frame);
   void track(FrameResult& result);
   void integrate(const Pose& world_from_camera);
 
@@ -61,9 +63,7 @@ class Pipeline {
   double depth_units_per_metre_;
   Recorder recorder_;
   Volume volume_;
-  PreprocessPass preprocess_;
-  AllocatePass allocate_;
-  IntegratePass integrate_;
+  FrameFuser fuser_;
   Tracker tracker_;
   bool started_ = false;
   int unconfirmed_ = 0;  ///< frames that must still agree before frames are fused again

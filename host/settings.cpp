@@ -130,6 +130,10 @@ std::string fieldText(const Settings& settings, const SettingsField& field) {
   return text.str();
 }
 
+std::string fieldText(const Settings& settings, std::string_view key, const std::string& source) {
+  return fieldText(settings, findField(key, source));
+}
+
 void applyAssignment(Settings& settings, const std::string& assignment) {
   const auto equals = assignment.find('=');
   if (equals == std::string::npos)

@@ -97,6 +97,8 @@ const std::vector<SettingsField>& settingsTable();
 /// one), what is allowed, and `source`, the file or option it came from.
 void setField(Settings& settings, std::string_view key, const std::string& value, const std::string& source);
 std::string fieldText(const Settings& settings, const SettingsField& field);
+/// The same by its key. Throws InputError as setField().
+std::string fieldText(const Settings& settings, std::string_view key, const std::string& source);
 
 /// Applies "key=value". Throws InputError.
 void applyAssignment(Settings& settings, const std::string& assignment);

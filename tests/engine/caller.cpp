@@ -62,7 +62,7 @@ void* VKAPI_CALL reallocate(void* user, void* old, std::size_t bytes, std::size_
 
 }  // namespace
 
-Caller::Caller() : loader_(dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL), dlclose) {
+Caller::Caller(bool with_validation) : loader_(dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL), dlclose) {
   get_ = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(loader_.get(), "vkGetInstanceProcAddr"));
   callbacks_ = {new Counts{&live_, &made_, {}}, allocate, reallocate, release, nullptr, nullptr};
   VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
@@ -74,9 +74,9 @@ Caller::Caller() : loader_(dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL), dlcl
   VkValidationFeaturesEXT validation{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT};
   validation.enabledValidationFeatureCount = 1;
   validation.pEnabledValidationFeatures = &synchronisation;
-  VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, &validation};
+  VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, with_validation ? &validation : nullptr};
   info.pApplicationInfo = &application;
-  info.enabledLayerCount = info.enabledExtensionCount = 1;
+  info.enabledLayerCount = info.enabledExtensionCount = with_validation;
   info.ppEnabledLayerNames = &layer;
   info.ppEnabledExtensionNames = &extension;
   require(command<PFN_vkCreateInstance>("vkCreateInstance")(&info, nullptr, &instance), "instance");
@@ -86,9 +86,10 @@ Caller::Caller() : loader_(dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL), dlcl
   messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
   messenger.pfnUserCallback = keepMessage;
   messenger.pUserData = &messages_;
-  require(command<PFN_vkCreateDebugUtilsMessengerEXT>("vkCreateDebugUtilsMessengerEXT")(instance, &messenger,
-                                                                                        nullptr, &messenger_),
-          "messenger");
+  if (with_validation)
+    require(command<PFN_vkCreateDebugUtilsMessengerEXT>("vkCreateDebugUtilsMessengerEXT")(
+                instance, &messenger, nullptr, &messenger_),
+            "messenger");
 
   const char* chosen = std::getenv("ROSEFUSION_DEVICE");
   std::uint32_t count = 8;
@@ -119,8 +120,9 @@ Caller::~Caller() {
     command<PFN_vkFreeMemory>("vkFreeMemory")(device, memory, nullptr);
   command<PFN_vkDestroyCommandPool>("vkDestroyCommandPool")(device, pool_, nullptr);
   command<PFN_vkDestroyDevice>("vkDestroyDevice")(device, nullptr);
-  command<PFN_vkDestroyDebugUtilsMessengerEXT>("vkDestroyDebugUtilsMessengerEXT")(instance, messenger_,
-                                                                                  nullptr);
+  if (messenger_)
+    command<PFN_vkDestroyDebugUtilsMessengerEXT>("vkDestroyDebugUtilsMessengerEXT")(instance, messenger_,
+                                                                                    nullptr);
   command<PFN_vkDestroyInstance>("vkDestroyInstance")(instance, nullptr);
   delete static_cast<Counts*>(callbacks_.pUserData);
 }

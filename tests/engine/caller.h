@@ -14,7 +14,9 @@ namespace rosefusion::testing {
 class Caller {
  public:
   /// $ROSEFUSION_DEVICE's name, else Mesa's software device. No feature is enabled, and no extension.
-  Caller();
+  /// `validation`: with the validation layer, synchronisation validation included; else messages() stays
+  /// empty.
+  explicit Caller(bool validation = true);
   ~Caller();
   Caller(const Caller&) = delete;
 

@@ -1,0 +1,143 @@
+// The Python module: the public headers, with NumPy arrays for images, poses and meshes.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "rosefusion/reconstructor.h"
+
+namespace py = pybind11;
+using namespace py::literals;
+using namespace rosefusion;
+
+namespace {
+
+// noconvert() below: an array of another type is refused, not rounded.
+using DepthArray = py::array_t<std::uint16_t, py::array::c_style>;
+using ColourArray = py::array_t<std::uint8_t, py::array::c_style>;
+using PoseArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// NumPy's rows are Matrix's columns.
+py::array_t<double> toArray(const Matrix& matrix) {
+  py::array_t<double> out({4, 4});
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) out.mutable_at(row, column) = matrix[4 * column + row];
+  return out;
+}
+
+Matrix toMatrix(const PoseArray& array) {
+  if (array.ndim() != 2 || array.shape(0) != 4 || array.shape(1) != 4)
+    throw py::value_error("a pose must be an array of 4 x 4");
+  Matrix out;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) out[4 * column + row] = array.at(row, column);
+  return out;
+}
+
+template <typename T>
+py::array_t<T> toArray(const std::vector<std::array<T, 3>>& rows) {
+  py::array_t<T> out({rows.size(), std::size_t(3)});
+  std::copy_n(reinterpret_cast<const T*>(rows.data()), 3 * rows.size(), out.mutable_data());
+  return out;
+}
+
+/// The arrays must outlive it.
+DepthFrame toFrame(const Camera& camera, const DepthArray& depth, double timestamp,
+                   const std::optional<ColourArray>& rgb) {
+  const bool fits = depth.ndim() == 2 && depth.shape(0) == camera.height && depth.shape(1) == camera.width &&
+                    (!rgb || (rgb->ndim() == 3 && rgb->shape(0) == camera.height &&
+                              rgb->shape(1) == camera.width && rgb->shape(2) == 3));
+  if (!fits)
+    throw py::value_error("depth must be an array of " + std::to_string(camera.height) + " x " +
+                          std::to_string(camera.width) + " (rows x columns), rgb of 3 values for each");
+  DepthFrame frame{{depth.data(), static_cast<std::size_t>(depth.size())}, timestamp, {}};
+  if (rgb) frame.rgb = {rgb->data(), static_cast<std::size_t>(rgb->size())};
+  return frame;
+}
+
+struct Pipeline {
+  Camera camera;
+  Reconstructor reconstructor;
+
+  Pipeline(const Camera& intrinsics, const std::string& preset, const py::dict& settings,
+           const std::string& device)
+      : camera(intrinsics), reconstructor([&] {
+          Options options{.preset = preset, .settings = {}, .device = device};
+          for (const auto& [key, value] : settings)
+            options.settings.push_back({py::str(key), py::isinstance<py::bool_>(value)
+                                                          ? (value.cast<bool>() ? "true" : "false")
+                                                          : std::string(py::str(value))});
+          const py::gil_scoped_release others_may_run;
+          return Reconstructor(intrinsics, options);
+        }()) {}
+
+  Result process(const DepthArray& depth, double timestamp, const std::optional<ColourArray>& rgb) {
+    const DepthFrame frame = toFrame(camera, depth, timestamp, rgb);
+    const py::gil_scoped_release others_may_run;
+    return reconstructor.process(frame);
+  }
+  void integrate(const DepthArray& depth, const PoseArray& pose, double timestamp,
+                 const std::optional<ColourArray>& rgb) {
+    const DepthFrame frame = toFrame(camera, depth, timestamp, rgb);
+    const Matrix matrix = toMatrix(pose);
+    const py::gil_scoped_release others_may_run;
+    reconstructor.integrate(frame, matrix);
+  }
+  Mesh mesh() {
+    const py::gil_scoped_release others_may_run;
+    return reconstructor.mesh();
+  }
+  py::list trajectory() const {
+    py::list out;
+    for (const TimedPose& pose : reconstructor.trajectory())
+      out.append(py::make_tuple(pose.timestamp, toArray(pose.world_from_camera)));
+    return out;
+  }
+};
+
+}  // namespace
+
+PYBIND11_MODULE(rosefusion, m) {
+  m.doc() = "Online dense reconstruction from a fast-moving depth camera.";
+  m.attr("__version__") = ROSEFUSION_VERSION;
+  py::register_exception<Error>(m, "Error", PyExc_RuntimeError);
+
+  py::enum_<Status>(m, "Status")
+      .value("TRACKED", Status::Tracked)
+      .value("UNCERTAIN", Status::Uncertain)
+      .value("RELOCALISED", Status::Relocalised)
+      .value("LOST", Status::Lost);
+  py::class_<Camera>(m, "Intrinsics", "A pinhole camera, in pixels; pixel centres have integer coordinates.")
+      .def(py::init<int, int, double, double, double, double, double>(), "width"_a, "height"_a, "fx"_a,
+           "fy"_a, "cx"_a, "cy"_a, "depth_units_per_metre"_a = 1000)
+      .def_readonly("width", &Camera::width)
+      .def_readonly("height", &Camera::height)
+      .def_readonly("fx", &Camera::fx)
+      .def_readonly("fy", &Camera::fy)
+      .def_readonly("cx", &Camera::cx)
+      .def_readonly("cy", &Camera::cy)
+      .def_readonly("depth_units_per_metre", &Camera::depth_units_per_metre);
+  py::class_<Result>(m, "Result", "What became of one frame. Poses: 4 x 4, metres, camera to world.")
+      .def_readonly("timestamp", &Result::timestamp)
+      .def_readonly("status", &Result::status)
+      .def_readonly("reason", &Result::reason)
+      .def_readonly("residual", &Result::residual)
+      .def_readonly("overlap", &Result::overlap)
+      .def_readonly("milliseconds", &Result::milliseconds)
+      .def_property_readonly("world_from_camera",
+                             [](const Result& r) { return toArray(r.world_from_camera); });
+  py::class_<Mesh>(m, "Mesh", "World frame, metres; arrays of three columns.")
+      .def_property_readonly("vertices", [](const Mesh& mesh) { return toArray(mesh.vertices); })
+      .def_property_readonly("normals", [](const Mesh& mesh) { return toArray(mesh.normals); })
+      .def_property_readonly("colours", [](const Mesh& mesh) { return toArray(mesh.colours); })
+      .def_property_readonly("triangles", [](const Mesh& mesh) { return toArray(mesh.triangles); });
+  py::class_<Pipeline>(m, "Pipeline",
+                       "Follows one camera and builds one model, on a Vulkan device of its own.")
+      .def(py::init<const Camera&, const std::string&, const py::dict&, const std::string&>(), "intrinsics"_a,
+           "preset"_a = "default", "settings"_a = py::dict(), "device"_a = "")
+      .def("process", &Pipeline::process, "depth"_a.noconvert(), "timestamp"_a, "rgb"_a = py::none(),
+           "Tracks and fuses one frame: depth as uint16, height x width; timestamp in seconds.")
+      .def("integrate", &Pipeline::integrate, "depth"_a.noconvert(), "world_from_camera"_a, "timestamp"_a,
+           "rgb"_a = py::none(), "Fuses one frame at a known pose; tracking goes on from there.")
+      .def("mesh", &Pipeline::mesh, "The model's surface now.")
+      .def("trajectory", &Pipeline::trajectory, "(timestamp, world_from_camera) of all frames not lost.");
+}

@@ -1,0 +1,55 @@
+# The library that is installed for others (host/public): all parts in one file, static or shared as BUILD_SHARED_LIBS
+# says, exporting no more than those headers. The tests want the other kind too; it is installed only by the name of
+# its component, rosefusion-static or rosefusion-shared.
+include(CMakePackageConfigHelpers)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/rosefusion)
+set(objects "")
+foreach(part base swarm settings shaders engine pipeline mesh_extraction embedding)
+  list(APPEND objects $<TARGET_OBJECTS:rosefusion_${part}>)
+endforeach()
+# By the names that linkers know: who links the static library needs these files, and none of their headers.
+set(used opencv_core yaml-cpp spirv-cross-c-shared spdlog fmt ${CMAKE_DL_LIBS})
+if(BUILD_SHARED_LIBS)
+  set(chosen shared)
+else()
+  set(chosen static)
+endif()
+
+foreach(kind static shared)
+  set(library rosefusion_library_${kind})
+  string(TOUPPER ${kind} type)
+  set(only_by_name "")
+  if(NOT kind STREQUAL chosen)
+    set(only_by_name EXCLUDE_FROM_ALL)
+  endif()
+  add_library(${library} ${type} ${objects})
+  set_target_properties(${library} PROPERTIES OUTPUT_NAME rosefusion EXPORT_NAME rosefusion LINKER_LANGUAGE CXX
+    VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  target_compile_features(${library} INTERFACE cxx_std_20)
+  target_include_directories(${library} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  if(kind STREQUAL "static")
+    target_link_libraries(${library} INTERFACE "$<INSTALL_INTERFACE:${used}>")
+  else()
+    target_link_libraries(${library} PRIVATE ${used})
+    # Templates of the standard library are weak symbols that hidden visibility does not reach.
+    target_link_options(${library} PRIVATE -Wl,--as-needed
+                        "-Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/library.map")
+    set_target_properties(${library} PROPERTIES LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/library.map)
+  endif()
+  if(only_by_name AND NOT ROSEFUSION_TESTS)
+    set_target_properties(${library} PROPERTIES EXCLUDE_FROM_ALL ON)
+  endif()
+  install(TARGETS ${library} EXPORT rosefusion-${kind} COMPONENT rosefusion-${kind} ${only_by_name})
+  install(EXPORT rosefusion-${kind} NAMESPACE rosefusion:: DESTINATION ${package_dir}
+          COMPONENT rosefusion-${kind} ${only_by_name})
+endforeach()
+
+install(DIRECTORY host/public/rosefusion ${PROJECT_BINARY_DIR}/include/rosefusion DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+        COMPONENT rosefusion-headers FILES_MATCHING PATTERN *.h)
+install(DIRECTORY shaders/compute/lib shaders/compute/interface
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/rosefusion/glsl/shaders/compute COMPONENT rosefusion-headers)
+configure_package_config_file(cmake/rosefusionConfig.cmake.in ${PROJECT_BINARY_DIR}/rosefusionConfig.cmake
+  INSTALL_DESTINATION ${package_dir} PATH_VARS CMAKE_INSTALL_DATADIR)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/rosefusionConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/rosefusionConfig.cmake ${PROJECT_BINARY_DIR}/rosefusionConfigVersion.cmake
+        DESTINATION ${package_dir} COMPONENT rosefusion-headers)

@@ -1,0 +1,145 @@
+#include "rosefusion/vulkan.h"
+
+#include "engine/passes/raycast.h"
+#include "host/embedding/reconstructor_impl.h"
+#include "host/embedding/vulkan_handles.h"
+#include "host/shader_types.h"
+
+namespace rosefusion {
+
+CallerDevice toCallerDevice(const VulkanHandles& h) {
+  return {h.get_instance_proc_addr, h.instance,  h.api_version,    h.physical_device, h.device,      h.queue,
+          h.queue_family,           h.allocator, h.pipeline_cache, h.lock_queue,      h.unlock_queue};
+}
+
+std::vector<SemaphorePoint> toPoints(const std::vector<Semaphores::Point>& points) {
+  std::vector<SemaphorePoint> out;
+  for (const auto& point : points) out.push_back({point.semaphore, point.value});
+  return out;
+}
+
+VulkanRequirements vulkanRequirements() {
+  const DeviceRequirements needs = deviceRequirements();
+  return {needs.api_version, needs.queue_flags, needs.features, needs.extensions_where_offered};
+}
+
+std::vector<std::string> missingFor(const VulkanHandles& handles) {
+  return guarded([&] { return missingOf(toCallerDevice(handles)); });
+}
+
+struct View::Impl {
+  Reconstructor::Impl& owner;
+  Intrinsics camera;
+  struct Slot {
+    Recorder recorder;
+    RaycastPass raycast;
+  };
+  std::vector<Slot> slots;
+};
+
+View::View(const Reconstructor& reconstructor, const Camera& camera, std::uint32_t slots)
+    : impl_(guarded([&] {
+        auto impl = std::make_unique<Impl>(Impl{reconstructor.impl(), toIntrinsics(camera), {}});
+        Device& device = impl->owner.device;
+        for (std::uint32_t i = 0; i < slots; ++i)
+          impl->slots.push_back(
+              {Recorder(device), RaycastPass(device, toShader(impl->camera), Memory::Device)});
+        return impl;
+      })) {}
+View::~View() = default;
+View::View(View&&) noexcept = default;
+View& View::operator=(View&&) noexcept = default;
+
+void View::record(VkCommandBuffer commands, std::uint32_t slot, const Look& look, const ViewImages& images) {
+  guarded([&] {
+    if (!commands || slot >= impl_->slots.size())
+      throw Error(Error::Kind::Misuse, "A View records into a command buffer and one of its " +
+                                           std::to_string(impl_->slots.size()) + " slots; this is none.");
+    auto& [recorder, raycast] = impl_->slots[slot];
+    const auto& d = look.depth_value;
+    recorder.recordInto(commands);
+    raycast.record(recorder, impl_->owner.view(),
+                   {toShader(look.world_from_camera), look.near, look.far, look.colour, look.clear,
+                    glm::vec4(d[0], d[1], d[2], d[3])});
+    const auto width = static_cast<std::uint32_t>(impl_->camera.width),
+               height = static_cast<std::uint32_t>(impl_->camera.height);
+    const bool general = images.layout == VK_IMAGE_LAYOUT_GENERAL;
+    if (images.picture)
+      recorder.copyToImage(raycast.picture(), images.picture, ImageAspect::Colour, width, height, general);
+    if (images.depth)
+      recorder.copyToImage(
+          raycast.depth(), images.depth,
+          images.depth_aspect == VK_IMAGE_ASPECT_DEPTH_BIT ? ImageAspect::Depth : ImageAspect::Colour, width,
+          height, general);
+  });
+}
+
+struct Fusion::Impl {
+  Reconstructor::Impl& owner;
+  Recorder recorder;
+  FrameFuser fuser;
+  double timestamp = 0;
+  Matrix world_from_camera = kIdentity;
+};
+
+Fusion::Fusion(Reconstructor& reconstructor)
+    : impl_(guarded([&] {
+        Reconstructor::Impl& owner = reconstructor.impl();
+        return std::make_unique<Impl>(Impl{owner, Recorder(owner.device), owner.pipeline.makeFuser()});
+      })) {}
+Fusion::~Fusion() = default;
+Fusion::Fusion(Fusion&&) noexcept = default;
+Fusion& Fusion::operator=(Fusion&&) noexcept = default;
+
+void Fusion::recordSearch(VkCommandBuffer commands, const DepthFrame& frame,
+                          const Matrix& world_from_camera) {
+  guarded([&] {
+    Impl& d = *impl_;
+    d.owner.requireNothingPushed();
+    const Frame copy = copyOf(frame, d.owner.intrinsics);
+    const Pose pose = toPose(world_from_camera);
+    d.timestamp = frame.timestamp;
+    d.world_from_camera = world_from_camera;
+    d.recorder.recordInto(commands);
+    d.fuser.recordFrame(d.recorder, copy);
+    d.fuser.recordSearch(d.recorder, d.owner.pipeline.volume(), pose);
+  });
+}
+
+bool Fusion::grow() {
+  return guarded([&] {
+    const std::lock_guard lock(impl_->owner.work);
+    return impl_->fuser.grow(impl_->owner.pipeline.volume());
+  });
+}
+
+void Fusion::recordFusion(VkCommandBuffer commands) {
+  guarded([&] {
+    Impl& d = *impl_;
+    const std::lock_guard lock(d.owner.work);
+    d.recorder.recordInto(commands);
+    const Pose pose = toPose(d.world_from_camera);
+    d.fuser.recordFusion(d.recorder, d.owner.pipeline.volume(), pose);
+    d.owner.pipeline.accept(pose, d.timestamp);
+    d.owner.publish(d.timestamp, &d.world_from_camera);
+  });
+}
+
+VolumeBuffers volumeBuffers(const Reconstructor& reconstructor) {
+  const auto view = std::make_shared<const VolumeView>(reconstructor.impl().view());
+  VolumeBuffers out;
+  out.layout = view->layoutBuffer().handle();
+  out.table = view->table().handle();
+  out.blocks = view->blockBuffer().handle();
+  for (std::uint32_t chunk = 0; chunk < shader::kMaxPoolChunks; ++chunk) {
+    out.tsdf[chunk] = view->tsdf(chunk).handle();
+    out.weight[chunk] = view->weight(chunk).handle();
+    out.colour[chunk] = view->colour(chunk).handle();
+  }
+  out.chunks = view->chunks();
+  out.block_count = view->blockCount();
+  out.hold = view;
+  return out;
+}
+
+}  // namespace rosefusion

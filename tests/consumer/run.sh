@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# Installs the library from a build into a folder, moves that folder, and builds and runs a project against it that knows
+# nothing else: run.sh BUILD static|shared SCRATCH
+set -euo pipefail
+build=$1 kind=$2 scratch=$3
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+fail() {
+  echo "consumer: $*" >&2
+  exit 1
+}
+
+rm -rf "$scratch"
+mkdir -p "$scratch"
+for component in headers "$kind"; do
+  cmake --install "$build" --prefix "$scratch/first" --component "rosefusion-$component" >"$scratch/install.log"
+done
+mv "$scratch/first" "$scratch/prefix"
+
+sed -n '/^```cpp$/,/^```$/p' "$here/../../README.md" | sed '/^```/d' >"$scratch/quickstart.cpp"
+lines=$(wc -l <"$scratch/quickstart.cpp")
+[[ $lines -ge 10 && $lines -le 25 ]] || fail "the README's C++ quickstart has $lines lines instead of at most 25."
+
+cmake -S "$here" -B "$scratch/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$scratch/prefix" \
+  -DQUICKSTART="$scratch/quickstart.cpp" >"$scratch/configure.log" || fail "$(cat "$scratch/configure.log")"
+cmake --build "$scratch/build" >"$scratch/build.log" || fail "$(cat "$scratch/build.log")"
+"$scratch/build/embedded" || fail "the Vulkan header's program ended with $?."
+"$scratch/build/quickstart" | tee "$scratch/output.txt"
+# 8 frames, 3 cm to the right each.
+[[ $(grep -c 'camera at' "$scratch/output.txt") == 8 ]] || fail "not every frame was tracked."
+awk '/camera at/ {x = $5; y = $6; z = $7}
+     / triangles/ {triangles = $3}
+     END {exit !(x > 0.20 && x < 0.22 && y * y < 1e-4 && z * z < 1e-4 && triangles > 5000)}' \
+  "$scratch/output.txt" || fail "the poses or the mesh are wrong; see above."
+
+if [[ $kind == shared ]]; then
+  library=$(find "$scratch/prefix" -name librosefusion.so)
+  exported=$(nm -DC --defined-only "$library" | cut -d' ' -f3-)
+  names='(Reconstructor|View|Fusion|Error)::|vulkanRequirements\(|missingFor\[|volumeBuffers\('
+  stray=$(grep -vE "^rosefusion::($names)|^(typeinfo|typeinfo name|vtable) for rosefusion::Error$" <<<"$exported" || true)
+  stray+=$(grep '::Impl' <<<"$exported" || true)
+  [[ -n $exported && -z $stray ]] || fail "exported, but not meant to be: $stray"
+fi

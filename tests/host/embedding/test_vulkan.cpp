@@ -1,0 +1,208 @@
+// The model in an application's images, command buffers and shaders.
+#include <bit>
+#include <cmath>
+#include <thread>
+
+#include "engine/buffer.h"
+#include "rosefusion/vulkan.h"
+#include "tests/engine/validating_device.h"
+#include "tests/host/embedding/caller_shader.h"
+#include "tests/host/embedding/frames.h"
+
+namespace rosefusion::testing {
+namespace {
+
+constexpr std::uint32_t kWidth = 80, kHeight = 60;
+constexpr std::uint32_t kLookup[] = {
+#include "lookup.inc"
+};
+
+class EmbeddedVulkan : public ::testing::Test {
+ protected:
+  void TearDown() override { EXPECT_THAT(caller.messages(), ::testing::IsEmpty()); }
+
+  VulkanHandles handles() const {
+    const CallerDevice h = caller.handles();
+    return {.get_instance_proc_addr = h.get_instance_proc_addr,
+            .instance = h.instance,
+            .physical_device = h.physical_device,
+            .device = h.device,
+            .queue = h.queue};
+  }
+  Camera viewCamera() const {
+    Camera camera = publicCamera();
+    const double scale = double(kWidth) / camera.width;
+    return {kWidth, kHeight, camera.fx * scale, camera.fy * scale, 39.5, 29.5};
+  }
+  ViewImages makeImages() {
+    return {caller.makeImage(VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_ASPECT_COLOR_BIT, kWidth, kHeight),
+            caller.makeImage(VK_FORMAT_R32_SFLOAT, VK_IMAGE_ASPECT_COLOR_BIT, kWidth, kHeight)};
+  }
+  std::vector<float> depthsOf(const ViewImages& images) {
+    std::vector<float> out;
+    for (const std::uint32_t word : caller.read(images.depth, VK_IMAGE_ASPECT_COLOR_BIT, kWidth, kHeight))
+      out.push_back(std::bit_cast<float>(word));
+    return out;
+  }
+
+  Caller caller;
+};
+
+/// Median difference, in metres, between a view from the first camera and the depth image that was fused.
+double differenceFromFirstImage(const std::vector<float>& depths) {
+  const cv::Mat& truth = shortSequence().frames[0].depth;
+  std::vector<double> differences;
+  for (std::uint32_t v = 0; v < kHeight; ++v)
+    for (std::uint32_t u = 0; u < kWidth; ++u) {
+      const double z = truth.at<std::uint16_t>(4 * v + 1, 4 * u + 1) / shortSequence().depth_units_per_metre;
+      const float drawn = depths[v * kWidth + u];
+      if (z > 0 && drawn > 0) differences.push_back(std::abs(z - drawn));
+    }
+  EXPECT_GT(differences.size(), kWidth * kHeight / 2);
+  std::nth_element(differences.begin(), differences.begin() + differences.size() / 2, differences.end());
+  return differences[differences.size() / 2];
+}
+
+TEST_F(EmbeddedVulkan, AViewShowsTheModelInMetres) {
+  Reconstructor reconstructor(publicCamera(), handles(), quickOptions());
+  reconstructor.process(publicFrame(0));
+  const ViewImages images = makeImages();
+  {
+    View view(reconstructor, viewCamera(), 1);
+    caller.frame([&](VkCommandBuffer commands) { view.record(commands, 0, {}, images); });
+    EXPECT_THROW(view.record(nullptr, 0, {}, images), Error);
+    caller.frame(
+        [&](VkCommandBuffer commands) { EXPECT_THROW(view.record(commands, 1, {}, images), Error); });
+  }
+  EXPECT_LT(differenceFromFirstImage(depthsOf(images)), 0.02);
+}
+
+TEST_F(EmbeddedVulkan, ViewsAreDrawnWhileFramesAreTracked) {
+  std::mutex queue;
+  VulkanHandles shared = handles();
+  shared.lock_queue = [&] { queue.lock(); };
+  shared.unlock_queue = [&] { queue.unlock(); };
+  Options options = quickOptions();
+  options.queue_length = 16;
+  Reconstructor reconstructor(publicCamera(), shared, options);
+  const ViewImages images = makeImages();
+  std::size_t pushed = 0;
+  {
+    View view(reconstructor, viewCamera(), 1);
+    while (pushed < 8) pushed += reconstructor.push(publicFrame(pushed));
+    bool tracking = true;
+    for (int frames = 0; tracking; ++frames) {
+      tracking = reconstructor.trajectory().size() < pushed && frames < 1000;
+      const VkCommandBuffer commands = caller.beginFrame();
+      view.record(commands, 0, {}, images);
+      const std::lock_guard lock(queue);  // waits too, which a renderer would not do under its lock
+      caller.endFrame(commands);
+    }
+    reconstructor.wait();
+  }
+  EXPECT_EQ(reconstructor.trajectory().size(), pushed);
+  EXPECT_LT(differenceFromFirstImage(depthsOf(images)), 0.03);
+}
+
+TEST_F(EmbeddedVulkan, FusionInTheCallersCommandsIsThatOfIntegrate) {
+  Reconstructor ours(publicCamera(), handles(), quickOptions()),
+      callers(publicCamera(), handles(), quickOptions());
+  for (std::size_t i : {0u, 3u}) {
+    const auto& truth = shortSequence().truth;
+    const Pose pose = truth[0].world_from_camera.inverse() * truth[i].world_from_camera;
+    Matrix matrix;
+    Eigen::Map<Eigen::Matrix4d>(matrix.data()) = pose.matrix();
+    ours.integrate(publicFrame(i), matrix);
+    Fusion fusion(callers);
+    do {
+      caller.frame([&](VkCommandBuffer commands) { fusion.recordSearch(commands, publicFrame(i), matrix); });
+    } while (fusion.grow());
+    caller.frame([&](VkCommandBuffer commands) { fusion.recordFusion(commands); });
+  }
+  const Mesh expected = ours.mesh(), found = callers.mesh();
+  EXPECT_GT(found.triangles.size(), 1000u);
+  EXPECT_EQ(found.vertices, expected.vertices);
+  EXPECT_EQ(found.triangles, expected.triangles);
+  EXPECT_EQ(callers.trajectory().back().world_from_camera, ours.trajectory().back().world_from_camera);
+  EXPECT_EQ(callers.process(publicFrame(4)).world_from_camera,
+            ours.process(publicFrame(4)).world_from_camera);
+}
+
+TEST_F(EmbeddedVulkan, TheCallersShaderReadsTheModel) {
+  Options options = quickOptions();
+  options.settings.push_back({"mesh.min_weight", "0.1"});  // one frame
+  Reconstructor reconstructor(publicCamera(), handles(), options);
+  reconstructor.process(publicFrame(0));
+  const Mesh mesh = reconstructor.mesh();
+  Device device(caller.handles());  // for buffers only
+  const auto count = static_cast<std::uint32_t>(mesh.vertices.size());
+  ASSERT_GT(count, 1000u);
+  Buffer points(device, 3 * 16ull * count, Memory::Upload),
+      distances(device, 3 * 4ull * count, Memory::Readback);
+  constexpr float kAside = 0.03f;  // a voxel: the TSDF there is a third of the truncation
+  for (std::uint32_t i = 0; i < 3 * count; ++i)
+    for (int axis = 0; axis < 3; ++axis)  // on the surface, in front of it, behind it
+      points.as<float>()[4 * i + axis] = mesh.vertices[i / 3][axis] + (i % 3 == 1   ? kAside
+                                                                       : i % 3 == 2 ? -kAside
+                                                                                    : 0) *
+                                                                          mesh.normals[i / 3][axis];
+  const VolumeBuffers volume = volumeBuffers(reconstructor);
+  EXPECT_EQ(volume.block_count, reconstructor.blockCount());
+  std::vector<VkBuffer> buffers = {volume.layout, volume.table};
+  buffers.insert(buffers.end(), volume.tsdf.begin(), volume.tsdf.end());
+  buffers.insert(buffers.end(), volume.weight.begin(), volume.weight.end());
+  buffers.push_back(points.handle());
+  buffers.push_back(distances.handle());
+  runShader(caller, kLookup, volume.chunks, buffers, (3 * count + 63) / 64);
+  double on = 0, front = 0, behind = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    on += distances.as<float>()[3 * i] / count;
+    front += distances.as<float>()[3 * i + 1] / count;
+    behind += distances.as<float>()[3 * i + 2] / count;
+  }
+  EXPECT_NEAR(on, 0, 0.1);
+  EXPECT_NEAR(front, 1 / 3.0, 0.12);
+  EXPECT_NEAR(behind, -1 / 3.0, 0.12);
+}
+
+TEST_F(EmbeddedVulkan, SemaphoresOrderFramesAndTheCallersWork) {
+  const VkSemaphoreCreateInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+  VkSemaphore before, after;
+  const auto create = caller.command<PFN_vkCreateSemaphore>("vkCreateSemaphore");
+  create(caller.device, &info, nullptr, &before);
+  create(caller.device, &info, nullptr, &after);
+  {
+    Reconstructor reconstructor(publicCamera(), handles(), quickOptions());
+    VkSubmitInfo signal{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+    signal.signalSemaphoreCount = 1;
+    signal.pSignalSemaphores = &before;
+    const auto submit = caller.command<PFN_vkQueueSubmit>("vkQueueSubmit");
+    submit(caller.queue, 1, &signal, VK_NULL_HANDLE);
+    const Semaphores semaphores{{{before, 0}}, {{after, 0}}};
+    EXPECT_EQ(reconstructor.process(publicFrame(0), &semaphores).status, Status::Tracked);
+    // The layer and the device would both complain of a wait for what nobody signals.
+    const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
+    VkSubmitInfo wait{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+    wait.waitSemaphoreCount = 1;
+    wait.pWaitSemaphores = &after;
+    wait.pWaitDstStageMask = &stage;
+    submit(caller.queue, 1, &wait, VK_NULL_HANDLE);
+    EXPECT_TRUE(caller.works());
+  }
+  const auto destroy = caller.command<PFN_vkDestroySemaphore>("vkDestroySemaphore");
+  destroy(caller.device, before, nullptr);
+  destroy(caller.device, after, nullptr);
+}
+
+TEST_F(EmbeddedVulkan, RequirementsAreToldBeforeThereIsADevice) {
+  EXPECT_EQ(vulkanRequirements().api_version, VK_API_VERSION_1_1);
+  VulkanHandles undecided = handles();
+  undecided.device = VK_NULL_HANDLE;
+  undecided.queue = VK_NULL_HANDLE;
+  EXPECT_THAT(missingFor(undecided), ::testing::IsEmpty());
+  undecided.queue_family = 99;
+  EXPECT_THAT(missingFor(undecided), ::testing::ElementsAre(::testing::HasSubstr("queue family 99")));
+}
+
+}  // namespace
+}  // namespace rosefusion::testing

@@ -1,0 +1,84 @@
+"""The Python module: the README's quickstart as it stands there, then what it leaves out. test_python.py README"""
+import re
+import sys
+import unittest
+
+import numpy as np
+
+import camera
+import rosefusion
+
+README = sys.argv.pop(1)
+INTRINSICS = rosefusion.Intrinsics(320, 240, 160, 160, 159.5, 119.5)
+QUICK = {"swarm.levels": "1024/16 512/8 256/4", "tracking.templates_per_level": 3, "volume.voxel_size": 0.03,
+         "volume.truncation": 0.09}
+
+
+def pipeline():
+    return rosefusion.Pipeline(INTRINSICS, preset="paper", settings=QUICK)
+
+
+class Quickstart(unittest.TestCase):
+    def test_the_readmes_text_runs(self):
+        with open(README) as file:
+            text = re.search(r"^```python\n(.*?)^```$", file.read(), re.MULTILINE | re.DOTALL).group(1)
+        names = {}
+        exec(text, names)
+        position = names["result"].world_from_camera[:3, 3]
+        truth = camera.STEP * (camera.FRAMES - 1)
+        np.testing.assert_allclose(position, [truth, 0, 0], atol=0.01)
+        self.assertGreater(len(names["mesh"].triangles), 5000)
+
+
+class Module(unittest.TestCase):
+    def test_arrays_have_their_shapes_and_types(self):
+        p = pipeline()
+        for seconds, depth in list(camera.frames())[:3]:
+            result = p.process(depth, seconds)
+            self.assertNotEqual(result.status, rosefusion.Status.LOST, result.reason)
+        self.assertEqual(result.world_from_camera.shape, (4, 4))
+        np.testing.assert_allclose(result.world_from_camera[3], [0, 0, 0, 1])
+        mesh = p.mesh()
+        self.assertEqual(mesh.vertices.shape[1], 3)
+        self.assertEqual(mesh.vertices.dtype, np.float32)
+        self.assertEqual(mesh.normals.shape, mesh.vertices.shape)
+        self.assertEqual(mesh.triangles.dtype, np.uint32)
+        self.assertLess(mesh.triangles.max(), len(mesh.vertices))
+        # The ball's nearest point, seen from the first frame: the mesh is in metres and in the right order.
+        distance = np.linalg.norm(mesh.vertices - [0.3, 0.2, 1.8], axis=1)
+        self.assertLess(abs(distance[mesh.vertices[:, 2] < 1.7].min() - 0.4), 0.03)
+        self.assertEqual(len(p.trajectory()), 3)
+        np.testing.assert_array_equal(p.trajectory()[2][1], result.world_from_camera)
+
+    def test_known_poses_and_colour(self):
+        p = pipeline()
+        pose = np.eye(4)
+        pose[:3, 3] = [1, 2, 3]
+        red = np.zeros((240, 320, 3), np.uint8)
+        red[..., 0] = 200
+        p.integrate(camera.depth_image(0), pose, 0.0, red)
+        result = p.process(camera.depth_image(camera.STEP), 1 / 30)
+        np.testing.assert_allclose(result.world_from_camera[:3, 3], [1 + camera.STEP, 2, 3], atol=0.03)
+        self.assertGreater(np.median(p.mesh().colours[:, 0]), 150)
+        self.assertLess(np.median(p.mesh().colours[:, 2]), 50)
+
+    def test_a_column_slice_is_read_as_it_looks(self):
+        wide = np.zeros((240, 640), np.uint16)
+        wide[:, ::2] = camera.depth_image(0)
+        p = pipeline()
+        self.assertEqual(p.process(np.ascontiguousarray(wide[:, ::2]), 0.0).status, rosefusion.Status.TRACKED)
+
+    def test_mistakes_are_refused_in_words(self):
+        p = pipeline()
+        with self.assertRaisesRegex(ValueError, "240 x 320"):
+            p.process(np.zeros((320, 240), np.uint16), 0.0)
+        with self.assertRaises(TypeError):
+            p.process(np.zeros((240, 320), np.float32), 0.0)
+        with self.assertRaisesRegex(ValueError, "4 x 4"):
+            p.integrate(camera.depth_image(0), np.eye(3), 0.0)
+        with self.assertRaisesRegex(rosefusion.Error, "volume.voxel_size"):
+            rosefusion.Pipeline(INTRINSICS, settings={"volume.voxel_sise": 0.01})
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
