@@ -47,10 +47,22 @@ Arguments parse(int count, char** texts) {
   return out;
 }
 
-/// An octahedron one to two metres before the first camera, partly behind whatever is nearer.
-std::vector<Vertex> scene() {
-  const std::array<float, 3> tips[6] = {{0.45f, 0.1f, 1.5f},  {-0.25f, 0.1f, 1.5f}, {0.1f, 0.45f, 1.5f},
-                                        {0.1f, -0.25f, 1.5f}, {0.1f, 0.1f, 1.85f},  {0.1f, 0.1f, 1.15f}};
+/// Median of the frame's valid depths, metres; 1 without any.
+float middleDepth(const rosefusion::Frame& frame, double units_per_metre) {
+  std::vector<std::uint16_t> depths;
+  for (const std::uint16_t depth : cv::Mat_<std::uint16_t>(frame.depth))
+    if (depth) depths.push_back(depth);
+  if (depths.empty()) return 1;
+  std::nth_element(depths.begin(), depths.begin() + depths.size() / 2, depths.end());
+  return static_cast<float>(depths[depths.size() / 2] / units_per_metre);
+}
+
+/// An octahedron before the first camera, at the depth of what the camera sees: in part before it, in part
+/// behind.
+std::vector<Vertex> scene(float depth) {
+  const float r = 0.3f * depth;
+  const std::array<float, 3> tips[6] = {{r, 0, depth},  {-r, 0, depth},    {0, r, depth},
+                                        {0, -r, depth}, {0, 0, depth + r}, {0, 0, depth - r}};
   std::vector<Vertex> triangles;
   for (int face = 0; face < 8; ++face) {
     const std::array<float, 3> colour = {face & 1 ? 0.95f : 0.75f, face & 2 ? 0.45f : 0.3f,
@@ -81,7 +93,11 @@ int run(const Arguments& arguments) {
   if (arguments.window) options.instance_extensions = renderer::windowExtensions();
   renderer::Application application(options);
   rosefusion::Reconstructor reconstructor(camera, application.handles());
-  renderer::Compositor compositor(application, reconstructor, camera, scene());
+  rosefusion::Frame frame;
+  std::string problem;
+  if (!sequence->read(0, frame, problem)) throw std::runtime_error(problem);
+  renderer::Compositor compositor(application, reconstructor, camera,
+                                  scene(middleDepth(frame, camera.depth_units_per_metre)));
   std::unique_ptr<renderer::Window> window;
   if (arguments.window)
     window = std::make_unique<renderer::Window>(application, compositor.size());
@@ -91,8 +107,6 @@ int run(const Arguments& arguments) {
   rosefusion::Matrix pose = rosefusion::kIdentity;
   std::size_t done = 0;
   const std::size_t frames = std::min(arguments.frames, sequence->size());
-  rosefusion::Frame frame;
-  std::string problem;
   const auto draw = [&] {
     const VkCommandBuffer commands = application.beginFrame();
     compositor.draw(commands, pose);

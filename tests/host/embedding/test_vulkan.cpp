@@ -154,15 +154,16 @@ TEST_F(EmbeddedVulkan, TheCallersShaderReadsTheModel) {
   buffers.push_back(points.handle());
   buffers.push_back(distances.handle());
   runShader(caller, kLookup, volume.chunks, buffers, (3 * count + 63) / 64);
-  double on = 0, front = 0, behind = 0;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    on += distances.as<float>()[3 * i] / count;
-    front += distances.as<float>()[3 * i + 1] / count;
-    behind += distances.as<float>()[3 * i + 2] / count;
-  }
-  EXPECT_NEAR(on, 0, 0.1);
-  EXPECT_NEAR(front, 1 / 3.0, 0.12);
-  EXPECT_NEAR(behind, -1 / 3.0, 0.12);
+  const auto median = [&](std::uint32_t place) {
+    std::vector<float> values;
+    for (std::uint32_t i = place; i < 3 * count; i += 3) values.push_back(distances.as<float>()[i]);
+    std::nth_element(values.begin(), values.begin() + count / 2, values.end());
+    return values[count / 2];
+  };
+  // Distances are along the camera's rays, a little longer than across the surface; and voxels are as large.
+  EXPECT_NEAR(median(0), 0, 0.1);
+  EXPECT_NEAR(median(1), 1 / 3.0, 0.15);
+  EXPECT_NEAR(median(2), -1 / 3.0, 0.15);
 }
 
 TEST_F(EmbeddedVulkan, SemaphoresOrderFramesAndTheCallersWork) {
