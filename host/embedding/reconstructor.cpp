@@ -56,7 +56,13 @@ void Reconstructor::Impl::publish(double timestamp, const Matrix* world_from_cam
 
 Result Reconstructor::Impl::process(const Frame& frame, const Semaphores& semaphores) {
   submitSemaphores(device, toPoints(semaphores.wait), {});
-  const Result result = toResult(pipeline.processFrame(frame));
+  Result result;
+  try {
+    result = toResult(pipeline.processFrame(frame));
+  } catch (...) {
+    submitSemaphores(device, {}, toPoints(semaphores.signal));  // who waits for them must not wait forever
+    throw;
+  }
   submitSemaphores(device, {}, toPoints(semaphores.signal));
   publish(result.timestamp, result.status == Status::Lost ? nullptr : &result.world_from_camera);
   return result;

@@ -62,7 +62,8 @@ void* VKAPI_CALL reallocate(void* user, void* old, std::size_t bytes, std::size_
 
 }  // namespace
 
-Caller::Caller(bool with_validation) : loader_(dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL), dlclose) {
+Caller::Caller(bool with_validation, bool timeline)
+    : loader_(dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL), dlclose) {
   get_ = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(loader_.get(), "vkGetInstanceProcAddr"));
   callbacks_ = {new Counts{&live_, &made_, {}}, allocate, reallocate, release, nullptr, nullptr};
   VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
@@ -108,6 +109,15 @@ Caller::Caller(bool with_validation) : loader_(dlopen("libvulkan.so.1", RTLD_NOW
   VkDeviceCreateInfo device_info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
   device_info.queueCreateInfoCount = 1;
   device_info.pQueueCreateInfos = &queue_info;
+  VkPhysicalDeviceTimelineSemaphoreFeatures timelines{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_FEATURES};
+  timelines.timelineSemaphore = VK_TRUE;
+  const char* timeline_extension = VK_KHR_TIMELINE_SEMAPHORE_EXTENSION_NAME;
+  if (timeline) {
+    device_info.pNext = &timelines;
+    device_info.enabledExtensionCount = 1;
+    device_info.ppEnabledExtensionNames = &timeline_extension;
+  }
   require(command<PFN_vkCreateDevice>("vkCreateDevice")(physical, &device_info, nullptr, &device), "device");
   command<PFN_vkGetDeviceQueue>("vkGetDeviceQueue")(device, 0, 0, &queue);
   const VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
@@ -159,8 +169,15 @@ void Caller::endFrame(VkCommandBuffer commands) {
   VkSubmitInfo work{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   work.commandBufferCount = 1;
   work.pCommandBuffers = &commands;
-  require(command<PFN_vkQueueSubmit>("vkQueueSubmit")(queue, 1, &work, VK_NULL_HANDLE), "submit");
-  require(command<PFN_vkQueueWaitIdle>("vkQueueWaitIdle")(queue), "wait");
+  const VkFenceCreateInfo info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  VkFence done = VK_NULL_HANDLE;
+  require(command<PFN_vkCreateFence>("vkCreateFence")(device, &info, nullptr, &done), "fence");
+  {
+    const std::lock_guard lock(queue_mutex);
+    require(command<PFN_vkQueueSubmit>("vkQueueSubmit")(queue, 1, &work, done), "submit");
+  }
+  require(command<PFN_vkWaitForFences>("vkWaitForFences")(device, 1, &done, VK_TRUE, ~0ull), "wait");
+  command<PFN_vkDestroyFence>("vkDestroyFence")(device, done, nullptr);
   command<PFN_vkFreeCommandBuffers>("vkFreeCommandBuffers")(device, pool_, 1, &commands);
 }
 

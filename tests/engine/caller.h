@@ -4,6 +4,7 @@
 #include <vulkan/vulkan_core.h>
 
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,8 @@ class Caller {
   /// $ROSEFUSION_DEVICE's name, else Mesa's software device. No feature is enabled, and no extension.
   /// `validation`: with the validation layer, synchronisation validation included; else messages() stays
   /// empty.
-  explicit Caller(bool validation = true);
+  /// `timeline`: with timeline semaphores after all (VK_KHR_timeline_semaphore).
+  explicit Caller(bool validation = true, bool timeline = false);
   ~Caller();
   Caller(const Caller&) = delete;
 
@@ -58,6 +60,7 @@ class Caller {
   VkPhysicalDevice physical = VK_NULL_HANDLE;
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
+  std::mutex queue_mutex;  ///< held while frame() submits, and not while it waits
 
  private:
   PFN_vkVoidFunction find(const char* name) const;

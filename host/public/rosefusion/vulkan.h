@@ -46,7 +46,8 @@ ROSEFUSION_API std::vector<std::string> missingFor(const VulkanHandles& handles)
 
 /// Waited for before the first command of a frame, and signalled after its last, on the queue. `value` is
 /// that of a timeline semaphore; 0 means a binary one. process() returns only after its commands have run,
-/// so whatever signals `wait` must be under way by then.
+/// so whatever signals `wait` must be under way by then. `signal` is signalled where the frame fails too, but
+/// not for frames that the destructor drops.
 struct Semaphores {
   struct Point {
     VkSemaphore semaphore = VK_NULL_HANDLE;
