@@ -36,4 +36,6 @@ function(rosefusion_library name)
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC rosefusion_common ${ARG_LINK} PRIVATE ${ARG_PRIVATE_LINK})
   target_precompile_headers(${name} REUSE_FROM rosefusion_pch)
+  # As the header was compiled, also in folders where hidden is not the rule.
+  set_target_properties(${name} PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
 endfunction()
