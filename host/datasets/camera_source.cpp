@@ -26,10 +26,13 @@ std::optional<CameraSource> readCalibration(const std::filesystem::path& folder,
   if (!std::filesystem::exists(file)) return std::nullopt;
   const std::vector<double> v = readNumbers(file);
   if (v.size() < 4) throw InputError(file.string() + ": expected four numbers 'fx fy cx cy' in pixels.");
-  if (v.size() > 4)
+  CameraSource camera{{0, 0, v[0], v[1], v[2], v[3]}, file.string(), false, {}};
+  if (v.size() == 9)
+    camera.distortion = {v[4], v[5], v[6], v[7], v[8]};
+  else if (v.size() > 4)
     warnings.push_back(file.string() +
-                       ": only fx fy cx cy are used; if the rest is distortion, undistort the images.");
-  return CameraSource{{0, 0, v[0], v[1], v[2], v[3]}, file.string(), false};
+                       ": only fx fy cx cy are used; a lens' distortion takes five more, k1 k2 p1 p2 k3.");
+  return camera;
 }
 
 void chooseCamera(const CameraSource& camera, double depth_units_per_metre, const SequenceOptions& options,

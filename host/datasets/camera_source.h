@@ -8,6 +8,7 @@
 
 #include "host/camera.h"
 #include "host/datasets/sequence.h"
+#include "host/datasets/undistortion.h"
 
 namespace rosefusion::datasets {
 
@@ -16,10 +17,12 @@ struct CameraSource {
       values;  ///< width and height: the image size the values hold for; 0 = whatever size the images have
   std::string source;
   bool assumed = false;
+  std::optional<Distortion> distortion;  ///< to be removed from the images
 };
 
-/// fx fy cx cy from `folder`/calibration.txt; nothing when there is no such file. Throws InputError when it
-/// does not start with four numbers; further numbers (distortion) are ignored with a warning.
+/// From `folder`/calibration.txt: fx fy cx cy, and k1 k2 p1 p2 k3 where it has nine numbers; nothing when
+/// there is no such file. Throws InputError when it does not start with four numbers; any other number of
+/// them is ignored with a warning.
 std::optional<CameraSource> readCalibration(const std::filesystem::path& folder,
                                             std::vector<std::string>& warnings);
 

@@ -22,6 +22,11 @@ ImageSequence::ImageSequence(Listing listing, const SequenceOptions& options)
   sortByTime();
   const cv::Size size = findImageSize();
   chooseCamera(listing.camera, listing.depth_units_per_metre, options, size.width, size.height, info_);
+  if (!options.intrinsics && listing.camera.distortion) {
+    undistortion_.emplace(*listing.camera.distortion, info_.intrinsics);
+    info_.notes.push_back("The lens' distortion is removed from the images (" + info_.intrinsics_source +
+                          ").");
+  }
 }
 
 void ImageSequence::dropMissingColour() {
@@ -74,6 +79,10 @@ bool ImageSequence::read(std::size_t index, Frame& frame, std::string& problem) 
   }
   if (load_colour_ && !files.colour.empty() && !readColourImage(files.colour, size, frame.colour, problem))
     frame.colour.release();
+  if (undistortion_) {
+    undistortion_->undistortDepth(frame.depth);
+    if (!frame.colour.empty()) undistortion_->undistortColour(frame.colour);
+  }
   return true;
 }
 

@@ -21,6 +21,7 @@ class ImageSequence : public Sequence {
 
   std::vector<FrameFiles> frames_;
   bool load_colour_ = false;
+  std::optional<Undistortion> undistortion_;
 };
 
 }  // namespace rosefusion::datasets

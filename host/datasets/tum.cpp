@@ -34,21 +34,31 @@ std::string nameOf(const fs::path& folder) {
   return fs::weakly_canonical(folder).filename().string();
 }
 
-/// The published calibration of the camera that the folder's name, or the list's comments, tell of.
+/// As published for the colour cameras, onto whose images the depth is registered, lens and all.
+const CameraSource kFreiburg[] = {
+    {{640, 480, 517.3, 516.5, 318.6, 255.3}, "", true, Distortion{0.2624, -0.9531, -0.0054, 0.0026, 1.1633}},
+    {{640, 480, 520.9, 521.0, 325.1, 249.7}, "", true, Distortion{0.2312, -0.7849, -0.0033, -0.0001, 0.9172}},
+    {{640, 480, 535.4, 539.2, 320.1, 247.6}, "", true, {}}};  // its images are undistorted already
+
+/// The camera that the folder's name, or the list's comments, tell of.
 CameraSource conventionalCamera(const fs::path& folder) {
   int camera = freiburgNumber(nameOf(folder));
   if (camera == 0 && fs::exists(folder / "depth.txt"))
     camera = freiburgNumber(readTextTable(folder / "depth.txt").comments);
-  const std::string source = "TUM freiburg" + std::to_string(camera) + " by name";
-  switch (camera) {
-    case 1:
-      return {{640, 480, 517.3, 516.5, 318.6, 255.3}, source, true};
-    case 2:
-      return {{640, 480, 520.9, 521.0, 325.1, 249.7}, source, true};
-    case 3:
-      return {{640, 480, 535.4, 539.2, 320.1, 247.6}, source, true};
-    default:
-      return {{640, 480, 525.0, 525.0, 319.5, 239.5}, "the ROS default for Kinect-like cameras", true};
+  if (camera == 0)
+    return {{640, 480, 525.0, 525.0, 319.5, 239.5}, "the ROS default for Kinect-like cameras", true, {}};
+  CameraSource source = kFreiburg[camera - 1];
+  source.source = "TUM freiburg" + std::to_string(camera) + " by name";
+  return source;
+}
+
+/// A calibration.txt has the pinhole's four numbers only; those of a published camera stand for its lens too.
+void addPublishedLens(CameraSource& camera) {
+  if (camera.distortion) return;
+  for (const CameraSource& published : kFreiburg) {
+    Intrinsics k = published.values;
+    k.width = camera.values.width, k.height = camera.values.height;
+    if (camera.values == k) camera.distortion = published.distortion;
   }
 }
 
@@ -77,7 +87,9 @@ bool matches(const fs::path& folder) {
 }
 
 Listing list(const fs::path& folder) {
-  return listTumLayout(folder, kTumReader.format, conventionalCamera(folder));
+  Listing listing = listTumLayout(folder, kTumReader.format, conventionalCamera(folder));
+  addPublishedLens(listing.camera);
+  return listing;
 }
 
 }  // namespace

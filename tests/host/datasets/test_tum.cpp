@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <opencv2/core.hpp>
+#include <optional>
 
 #include "host/datasets/association.h"
 #include "host/datasets/sequence.h"
@@ -121,6 +122,54 @@ TEST(Tum, IntrinsicsFollowTheNameAndAreMarkedAssumed) {
     EXPECT_EQ(sequence->info().intrinsics, c.expected) << c.folder;
     EXPECT_TRUE(sequence->info().intrinsics_assumed);
   }
+}
+
+// The 4 x 4 mark of the raw image and where it is found once the lens is taken out: mean pixel, none when
+// gone.
+std::optional<cv::Point2d> markSeen(const std::string& calibration, cv::Point mark, SequenceOptions options) {
+  const TemporaryFolder folder;
+  folder.write("depth.txt", "1.0 depth/1.png\n");
+  if (!calibration.empty()) folder.write("calibration.txt", calibration);
+  cv::Mat raw(480, 640, CV_16UC1, cv::Scalar(5000));
+  raw(cv::Rect(mark.x - 1, mark.y - 1, 4, 4)) = 9000;
+  folder.writeImage("depth/1.png", raw);
+  const auto sequence = openSequence(folder.path(), options);
+  const cv::Mat marked = readGood(*sequence, 0).depth == 9000;
+  std::vector<cv::Point> pixels;
+  for (int v = 0; v < marked.rows; ++v)
+    for (int u = 0; u < marked.cols; ++u)
+      if (marked.at<std::uint8_t>(v, u)) pixels.emplace_back(u, v);
+  if (pixels.empty()) return std::nullopt;
+  cv::Point2d sum(0, 0);
+  for (const cv::Point& pixel : pixels) sum += cv::Point2d(pixel);
+  return sum / static_cast<double>(pixels.size());
+}
+
+TEST(Tum, TakesTheLensOutOfTheImages) {
+  // By hand for k1 = 0.2, p2 = 0.01: (0.5, 0.25) has r2 = 0.3125 and is imaged at
+  // x = 0.5 * 1.0625 + 0.01 * (0.3125 + 0.5) = 0.539375, y = 0.25 * 1.0625 + 2 * 0.01 * 0.125 = 0.268125;
+  // with f = 400, c = (320, 240): pinhole pixel (520, 340), raw pixel (535.75, 347.25).
+  const std::string pinhole = "400 400 320 240";
+  const auto found = markSeen(pinhole + " 0.2 0 0 0.01 0", {535, 347}, {});
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->x, 520, 1);
+  EXPECT_NEAR(found->y, 340, 1);
+  const cv::Point2d raw(535.5, 347.5);  // the mark's own middle
+  EXPECT_EQ(markSeen(pinhole, {535, 347}, {}), raw);
+  EXPECT_EQ(
+      markSeen(pinhole + " 0.2 0 0 0.01 0", {535, 347}, {.intrinsics = Intrinsics{0, 0, 400, 400, 320, 240}}),
+      raw)
+      << "given intrinsics speak of images as they are";
+}
+
+TEST(Tum, APublishedCameraHasItsLens) {
+  const cv::Point2d raw(570.5, 400.5);
+  const auto fr1 = markSeen("517.3 516.5 318.6 255.3", {570, 400}, {});
+  ASSERT_TRUE(fr1);
+  EXPECT_GT(raw.x - fr1->x, 3);
+  EXPECT_GT(raw.y - fr1->y, 2);
+  EXPECT_EQ(markSeen("517.4 516.5 318.6 255.3", {570, 400}, {}), raw);
+  EXPECT_EQ(markSeen("535.4 539.2 320.1 247.6", {570, 400}, {}), raw) << "freiburg3's images have none";
 }
 
 TEST(Tum, ARenamedFolderIsKnownByItsListsComment) {

@@ -1,0 +1,36 @@
+#include "host/datasets/undistortion.h"
+
+#include <opencv2/imgproc.hpp>
+
+namespace rosefusion::datasets {
+
+Eigen::Vector2d Distortion::apply(const Eigen::Vector2d& pinhole) const {
+  const double x = pinhole.x(), y = pinhole.y(), r2 = x * x + y * y;
+  const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
+          y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
+}
+
+Undistortion::Undistortion(const Distortion& distortion, const Intrinsics& k)
+    : from_(k.height, k.width, CV_32FC2) {
+  for (int v = 0; v < k.height; ++v)
+    for (int u = 0; u < k.width; ++u) {
+      const Eigen::Vector2d at = distortion.apply({(u - k.cx) / k.fx, (v - k.cy) / k.fy});
+      from_.at<cv::Vec2f>(v, u) = {static_cast<float>(k.fx * at.x() + k.cx),
+                                   static_cast<float>(k.fy * at.y() + k.cy)};
+    }
+}
+
+void Undistortion::undistortDepth(cv::Mat& depth) const {
+  cv::Mat out;
+  cv::remap(depth, out, from_, {}, cv::INTER_NEAREST, cv::BORDER_CONSTANT, 0);
+  depth = out;
+}
+
+void Undistortion::undistortColour(cv::Mat& bgr) const {
+  cv::Mat out;
+  cv::remap(bgr, out, from_, {}, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  bgr = out;
+}
+
+}  // namespace rosefusion::datasets
