@@ -94,8 +94,7 @@ void addExperimentCommand(CLI::App& app) {
   std::string names;
   for (const Experiment& e : experiments()) names += (names.empty() ? "" : ", ") + e.name;
   c->add_option("NAME", o->name, "all, or one of " + names)->required();
-  c->add_flag("--quick", o->experiment.quick,
-              "Images of 320 x 240, few frames and a quarter of the particles");
+  c->add_flag("--quick", o->experiment.quick, "Images of 320 x 240 and few frames; as many particles");
   c->add_option(
       "--data", o->experiment.data,
       "Folder with recorded sequences, which 'accuracy' and 'frames' use as well [$ROSEFUSION_DATA]");

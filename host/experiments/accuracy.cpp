@@ -21,7 +21,7 @@ std::vector<Variant> methods() {
 std::vector<TestSequence> sequencesOf(const ExperimentContext& context) {
   std::vector<TestSequence> all = fastRooms(context);
   // An ordinary pace, as ICL-NUIM and TUM RGB-D have.
-  SynthOptions slow = experimentSynth(context, 240, 60);
+  SynthOptions slow = experimentSynth(context, 240, 40);
   slow.linear = {0.2, 0.3, 0.6};
   slow.angular = {0.1, 0.25, 0.6};
   slow.seed = 500;
@@ -100,9 +100,9 @@ ExperimentResult runAccuracy(const ExperimentContext& context) {
   plot.tables["bars.dat"] = bars.plotData();
   plot.commands = fmt::format(
       "set style data histograms\nset style histogram clustered gap 1\nset boxwidth 0.9\nset logscale y\nset "
-      "yrange [0.1:150]\nset "
+      "yrange [0.01:150]\nset "
       "xtics rotate by 20 right\n"
-      "set ylabel \"mean position error after alignment (cm), lost frames 100 cm\"\nset xlabel \"sequence\" "
+      "set ylabel \"mean position error (cm)\"\nset xlabel \"sequence\" "
       "offset 0,-1\n"
       "plot \"bars.dat\" using 2:xticlabels(1) linetype 1 fillstyle solid 0.85 title \"pst\", \"\" using 3 "
       "linetype 6 fillstyle "

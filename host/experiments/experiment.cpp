@@ -45,7 +45,7 @@ set linetype 3 linecolor rgb "#1f6f8b" linewidth 2 dashtype 3 pointtype 9
 set linetype 4 linecolor rgb "#c77d1a" linewidth 2 dashtype 4 pointtype 11
 set linetype 5 linecolor rgb "#4f9d55" linewidth 2 dashtype 5 pointtype 13
 set linetype 6 linecolor rgb "#8f8f8f" linewidth 2 dashtype 1 pointtype 4
-set key outside bottom center horizontal
+set key outside top center horizontal
 set datafile missing "nan"
 )";
 }

@@ -17,7 +17,7 @@ namespace rosefusion {
 struct Interrupted {};
 
 struct ExperimentOptions {
-  bool quick = false;          ///< small images, few frames, a quarter of the particles
+  bool quick = false;          ///< small images, few frames
   int shrink = 1;              ///< divides frames, and leaves out rooms; above 1 for tests only
   std::filesystem::path data;  ///< folder with recorded sequences; empty: generated ones alone
   std::filesystem::path out;

@@ -83,9 +83,10 @@ void plotParticles(ResultWriter& out, const std::vector<std::vector<Iteration>>&
   plot.width_px = 2000;
   plot.height_px = 1050;
   plot.commands = fmt::format(
-      "set multiplot layout {0},{1}\nset key off\nset size square\nset palette defined (0 \"#10243f\", 0.5 "
+      "set multiplot layout {0},{1} margins 0.05,0.92,0.08,0.95 spacing 0.025,0.1\nset key off\nset palette "
+      "defined (0 \"#10243f\", 0.5 "
       "\"#4f9d93\", 1 "
-      "\"#f4e9a6\")\nset cbrange [0:0.6]\nset xrange [-{2:.4f}:{2:.4f}]\nset yrange [-{2:.4f}:{2:.4f}]\nset "
+      "\"#f4e9a6\")\nset cbrange [0.2:1]\nset xrange [-{2:.4f}:{2:.4f}]\nset yrange [-{2:.4f}:{2:.4f}]\nset "
       "xtics {3}\nset ytics {3}\nset "
       "format cb \"%.1f\"\n",
       kMethods.size(), std::size(kShown), limit, limit > 0.5 ? 0.5 : 0.2);
@@ -114,7 +115,8 @@ void plotParticles(ResultWriter& out, const std::vector<std::vector<Iteration>>&
           "\"#c01830\"\n0 0\ne\n",
           plotQuoted(fmt::format("{}, iteration {}{}", kMethods[m], shown, there ? "" : ": had ended")),
           plotQuoted(shown == 1 ? "v (m, or half radians)" : ""),
-          last ? "set colorbox\n" : "unset colorbox\n", file);
+          last ? "set colorbox user origin screen 0.94,0.2 size screen 0.012,0.6\n" : "unset colorbox\n",
+          file);
     }
   out.table("particles", table);
   out.plot("particles", plot,
@@ -138,9 +140,11 @@ void plotEllipsoids(ResultWriter& out, const std::vector<Iteration>& search) {
   plot.commands =
       "set multiplot layout 1,4\nset key off\nset palette defined (0 \"#10243f\", 0.5 \"#4f9d93\", 1 "
       "\"#f4e9a6\")\nset pm3d "
-      "depthorder\nset view equal xyz\nset view 62,32\nset xyplane relative 0.05\nset cblabel \"turns about "
-      "this direction: reach (degrees)\"\n"
-      "set xlabel \"x (cm)\"\nset ylabel \"y (cm)\"\nset zlabel \"z (cm)\" rotate parallel\n";
+      "depthorder\nset view equal xyz\nset view 62,32\nset xyplane at 0\nset border 0\nset grid noxtics "
+      "noytics\nset cblabel "
+      "\"reach in turns (degrees)\" offset 1\nset xlabel \"x (cm)\"\nset ylabel \"y (cm)\"\nset zlabel \"z "
+      "(cm)\"\n"
+      "set format \"%.2g\"\n";
   int drawn = 0;
   for (const int shown : kShown) {
     if (static_cast<std::size_t>(shown) > search.size() || drawn == 4) break;
@@ -161,8 +165,13 @@ void plotEllipsoids(ResultWriter& out, const std::vector<Iteration>& search) {
     }
     const std::string file = fmt::format("ellipsoid{}.dat", shown);
     plot.tables[file] = surface.plotData();
-    plot.commands +=
-        fmt::format("set title \"pst, iteration {}\"\nsplot \"{}\" using 1:2:3:4 with pm3d\n", shown, file);
+    const double limit = 105 * r.head<3>().maxCoeff(),
+                 most = 2 * std::asin(std::min(1.0, r.tail<3>().maxCoeff()));
+    plot.commands += fmt::format(
+        "set title \"pst, iteration {0}\"\nset xrange [-{2}:{2}]\nset yrange [-{2}:{2}]\nset zrange "
+        "[-{2}:{2}]\nset xtics {3}\nset "
+        "ytics {3}\nset ztics {3}\nset cbrange [0:{4}]\nsplot \"{1}\" using 1:2:3:4 with pm3d\n",
+        shown, file, limit, limit / 1.05, most * 180 / std::numbers::pi * 1.05);
   }
   out.plot("ellipsoids", plot,
            "The template of one frame's search as an ellipsoid of its reach in x, y and z; shades: its reach "
@@ -217,7 +226,8 @@ void plotLandscape(ResultWriter& out, const ExperimentContext& context, const Se
   plot.tables["surface.dat"] = surface.plotData();
   plot.tables["path.dat"] = path.plotData();
   plot.commands = fmt::format(
-      "set size square\nset palette defined (0 \"#10243f\", 0.5 \"#4f9d93\", 1 \"#f4e9a6\")\nset view "
+      "set size square\nset key at screen 0.5,0.97 center top vertical\n"
+      "set palette defined (0 \"#10243f\", 0.5 \"#4f9d93\", 1 \"#f4e9a6\")\nset view "
       "map\nset contour base\nset cntrparam levels "
       "12\nset cntrlabel onecolor\nset xrange [-{0:.4f}:{0:.4f}]\nset yrange [-{0:.4f}:{0:.4f}]\nset xlabel "
       "\"from the true pose towards the "

@@ -18,7 +18,7 @@ Resolutions resolutions(const ExperimentContext& context) {
   Resolutions out;
   out.rooms = fastRooms(context);
   // The finest is ten times as long.
-  out.rooms.resize(std::min<std::size_t>(out.rooms.size(), context.options.quick ? 2 : 5));
+  out.rooms.resize(std::min<std::size_t>(out.rooms.size(), context.options.quick ? 1 : 5));
   const auto levels = experimentSettings(context).swarm.levels;
   const auto single = [](int particles, int stride) {
     return Variant{fmt::format("{} / {}", particles, stride),
@@ -49,7 +49,7 @@ ExperimentResult run(const ExperimentContext& context) {
   plot.width_px = 1700;
   plot.height_px = 640;
   plot.commands =
-      "set multiplot layout 1,2\nset key inside bottom right vertical opaque title \"particles / stride\"\n"
+      "set multiplot layout 1,2\nset key outside top center horizontal\n"
       "set xlabel \"position error after alignment (cm)\"\nset ylabel \"share of frames within (%)\"\n"
       "set yrange [0:102]\nset xrange [0:10]\nplot ";
   Table bars({"variant", "lookups"});

@@ -113,8 +113,10 @@ double shareWithin(const std::vector<double>& errors, double limit) {
   return static_cast<double>(good) / static_cast<double>(errors.size());
 }
 
-RunRecord trackOnce(const ExperimentContext& context, const std::string& what, const Settings& settings,
+RunRecord trackOnce(const ExperimentContext& context, const std::string& what, const Settings& wanted,
                     const TestSequence& test) {
+  Settings settings = wanted;
+  for (SwarmLevel& level : settings.swarm.levels) level.pixel_stride *= test.stride_factor;
   const DeviceInfo& device = context.device.info();
   const std::string key = fmt::format("record {}\n{} {}\n{}\n{}", kVersion, device.name, device.driver,
                                       test.key, toYaml(settings));

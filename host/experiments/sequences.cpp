@@ -14,6 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kQuickShrink = 2;  // of the generated images
+
 std::string keyOf(const SynthOptions& o) {
   const auto& k = o.intrinsics;
   return fmt::format(
@@ -70,8 +72,12 @@ bool MemorySequence::read(std::size_t index, Frame& frame, std::string&) {
 }
 
 TestSequence generated(const std::string& name, const SynthOptions& synth) {
-  return {
-      name, keyOf(synth), static_cast<std::size_t>(synth.frames), {}, [synth] { return remembered(synth); }};
+  TestSequence out;
+  out.name = name;
+  out.key = keyOf(synth);
+  out.frames = static_cast<std::size_t>(synth.frames);
+  out.open = [synth] { return remembered(synth); };
+  return out;
 }
 
 SynthOptions experimentSynth(const ExperimentContext& context, int full_frames, int quick_frames) {
@@ -83,8 +89,8 @@ SynthOptions experimentSynth(const ExperimentContext& context, int full_frames, 
 
 std::vector<TestSequence> fastRooms(const ExperimentContext& context) {
   std::vector<TestSequence> rooms;
-  SynthOptions synth = experimentSynth(context, 240, 60);
-  for (int i = 0; i < context.amount(10, 4); ++i) {
+  SynthOptions synth = experimentSynth(context, 240, 40);
+  for (int i = 0; i < context.amount(10, 3); ++i) {
     synth.seed = 500 + static_cast<std::uint64_t>(i);
     rooms.push_back(generated(fmt::format("room_{}", synth.seed), synth));
   }
@@ -107,7 +113,8 @@ std::vector<TestSequence> recordedSequences(const ExperimentContext& context) {
     if (!sequence) continue;
     TestSequence out;
     out.name = fs::absolute(folder).lexically_normal().filename().string();
-    if (context.options.quick) out.run.max_frames = static_cast<std::size_t>(context.amount(0, 40));
+    if (context.options.quick) out.run.max_frames = static_cast<std::size_t>(context.amount(0, 30));
+    out.stride_factor = context.options.quick ? kQuickShrink : 1;
     // The copy of 7-Scenes is stored at a walking pace; every fourth frame makes it fast.
     if (out.name == "seven_scenes") out.run.stride = 4;
     out.frames = selectedFrames(sequence->size(), out.run).size();
@@ -124,7 +131,8 @@ Settings experimentSettings(const ExperimentContext& context) {
   settings.volume.colour = false;
   settings.tracking.seed = context.options.seed;
   // Half the image needs half the stride for as many points.
-  if (context.options.quick) settings.swarm.levels = {{2560, 16}, {768, 8}, {256, 4}};
+  if (context.options.quick)
+    for (SwarmLevel& level : settings.swarm.levels) level.pixel_stride /= kQuickShrink;
   if (context.options.quick) settings.tracking.templates_per_level = 5;
   return settings;
 }

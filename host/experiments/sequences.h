@@ -36,6 +36,7 @@ struct TestSequence {
   std::string key;  ///< all that its frames depend on
   std::size_t frames = 0;
   RunOptions run;
+  int stride_factor = 1;  ///< of the settings' pixel strides, for images larger than the generated ones
   std::function<std::shared_ptr<Sequence>()> open;
 };
 

@@ -13,7 +13,7 @@ const std::vector<int> kSpeeds = {1, 2, 3, 4, 5, 6, 7, 8};
 
 std::vector<TestSequence> flights(const ExperimentContext& context, int speed) {
   std::vector<TestSequence> all;
-  SynthOptions synth = experimentSynth(context, 120, 36);
+  SynthOptions synth = experimentSynth(context, 120, 20);
   synth.linear = synth.linear.endingAt(speed);
   synth.angular = synth.angular.endingAt(0.55 * speed);  // 2.2 rad/s at 4 m/s, as in the paper
   synth.ramp = 0.15;

@@ -6,6 +6,15 @@
 
 namespace rosefusion {
 
+namespace {
+
+std::string doubled(std::string text) {
+  for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, "\"");
+  return text;
+}
+
+}  // namespace
+
 Cell::Cell(double value) {
   char digits[32];
   std::snprintf(digits, sizeof digits, "%.6g", value);
@@ -25,7 +34,10 @@ std::string Table::text(char separator, bool head) const {
       if (i > 0) out += separator;
       // Only a word can hold what would break the row; sentences in CSV are quoted as RFC 4180 says.
       const bool quoted = cells[i].find_first_of(head ? ",\"" : " ") != std::string::npos;
-      out += quoted ? '"' + cells[i] + '"' : cells[i];
+      if (!quoted)
+        out += cells[i];
+      else
+        out += '"' + doubled(cells[i]) + '"';
     }
     out += '\n';
   };

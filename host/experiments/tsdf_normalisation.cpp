@@ -52,7 +52,7 @@ ExperimentResult run(const ExperimentContext& context) {
   plot.commands =
       "set style data histograms\nset style histogram clustered gap 1\nset boxwidth 0.9\nset logscale y\nset "
       "yrange [0.1:150]\n"
-      "set ylabel \"mean position error after alignment (cm), lost frames 100 cm\"\nset xlabel \"sequence\"\n"
+      "set ylabel \"mean position error (cm)\"\nset xlabel \"sequence\"\n"
       "plot \"bars.dat\" using 2:xticlabels(1) linetype 1 fillstyle solid 0.85 title \"pst\"";
   const char* fills[] = {"pattern 1", "pattern 4", "pattern 2"};
   for (int v = 1; v < 4; ++v)

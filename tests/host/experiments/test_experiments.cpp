@@ -4,7 +4,7 @@
 
 #include <fstream>
 #include <iterator>
-#include <regex>
+#include <map>
 
 #include "host/error.h"
 #include "host/experiments/suite.h"
@@ -88,9 +88,11 @@ TEST_F(ExperimentTest, InterruptedItGoesOnWithTheRunsItHas) {
   EXPECT_FALSE(fs::exists(folder_ / "a" / "tsdf-normalisation" / "result.json"));
 
   context.stop = {};
-  const auto time = fs::last_write_time(fs::directory_iterator(folder_ / "a" / "runs")->path());
+  std::map<fs::path, fs::file_time_type> written;
+  for (const auto& entry : fs::directory_iterator(folder_ / "a" / "runs"))
+    written[entry.path()] = entry.last_write_time();
   runOrRecall(context, experiment, false);
-  EXPECT_EQ(fs::last_write_time(fs::directory_iterator(folder_ / "a" / "runs")->path()), time);
+  for (const auto& [path, time] : written) EXPECT_EQ(fs::last_write_time(path), time) << path;
   const ExperimentResult whole = runOrRecall(contextIn(folder_ / "b"), experiment, false);
   for (const std::string& table : whole.tables)
     EXPECT_EQ(contents(folder_ / "a" / "tsdf-normalisation" / table),
