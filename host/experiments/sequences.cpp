@@ -90,7 +90,7 @@ SynthOptions experimentSynth(const ExperimentContext& context, int full_frames, 
 std::vector<TestSequence> fastRooms(const ExperimentContext& context) {
   std::vector<TestSequence> rooms;
   SynthOptions synth = experimentSynth(context, 240, 40);
-  for (int i = 0; i < context.amount(10, 3); ++i) {
+  for (int i = 0; i < context.amount(10, 2); ++i) {
     synth.seed = 500 + static_cast<std::uint64_t>(i);
     rooms.push_back(generated(fmt::format("room_{}", synth.seed), synth));
   }
@@ -113,7 +113,7 @@ std::vector<TestSequence> recordedSequences(const ExperimentContext& context) {
     if (!sequence) continue;
     TestSequence out;
     out.name = fs::absolute(folder).lexically_normal().filename().string();
-    if (context.options.quick) out.run.max_frames = static_cast<std::size_t>(context.amount(0, 30));
+    if (context.options.quick) out.run.max_frames = static_cast<std::size_t>(context.amount(0, 20));
     out.stride_factor = context.options.quick ? kQuickShrink : 1;
     // The copy of 7-Scenes is stored at a walking pace; every fourth frame makes it fast.
     if (out.name == "seven_scenes") out.run.stride = 4;

@@ -13,11 +13,11 @@ const std::vector<int> kSpeeds = {1, 2, 3, 4, 5, 6, 7, 8};
 
 std::vector<TestSequence> flights(const ExperimentContext& context, int speed) {
   std::vector<TestSequence> all;
-  SynthOptions synth = experimentSynth(context, 120, 20);
+  SynthOptions synth = experimentSynth(context, 120, 12);
   synth.linear = synth.linear.endingAt(speed);
   synth.angular = synth.angular.endingAt(0.55 * speed);  // 2.2 rad/s at 4 m/s, as in the paper
   synth.ramp = 0.15;
-  for (int i = 0; i < context.amount(5, 2); ++i) {
+  for (int i = 0; i < context.amount(5, 1); ++i) {
     synth.seed = 700 + static_cast<std::uint64_t>(i);
     all.push_back(generated(fmt::format("room_{} at {} m/s", synth.seed, speed), synth));
   }
