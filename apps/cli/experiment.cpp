@@ -103,7 +103,8 @@ void addExperimentCommand(CLI::App& app) {
   c->add_flag("--again", o->again,
               "Draw finished experiments again (their tracked sequences are kept in OUT/runs)");
   c->add_option("--seed", o->experiment.seed, "Of the swarms")->capture_default_str();
-  c->add_option("--shrink", o->experiment.shrink, "Divide frames and rooms by this; for a first look only")
+  c->add_option("--shrink", o->experiment.shrink,
+                "Divide frames, rooms and particles by this; for a first look only")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   c->add_option("--device", o->device, "Device by index, name or type (see 'rosefusion devices')");

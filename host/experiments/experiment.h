@@ -18,7 +18,7 @@ struct Interrupted {};
 
 struct ExperimentOptions {
   bool quick = false;          ///< small images, few frames
-  int shrink = 1;              ///< divides frames, and leaves out rooms; above 1 for tests only
+  int shrink = 1;              ///< divides frames, rooms and particles; above 1 for tests only
   std::filesystem::path data;  ///< folder with recorded sequences; empty: generated ones alone
   std::filesystem::path out;
   std::uint64_t seed = 1;

@@ -178,10 +178,10 @@ ExperimentResult runOptimisers(const ExperimentContext& context) {
   }
   out.table("optimisers", table);
   Plot plot;
-  plot.width_px = 2000;
+  plot.width_px = 2400;
   plot.height_px = 560;
   plot.commands =
-      "set multiplot layout 1,4\n" + rowOfPlots(plot, set.name, "best pose so far", variants, curves);
+      "set multiplot layout 1,5\n" + rowOfPlots(plot, set.name, "best pose so far", variants, curves);
   out.plot("optimisers", plot,
            fmt::format("Fitness over the iterations of a search, means over {} frames of fast 6-D motion.",
                        curves[0].frames));

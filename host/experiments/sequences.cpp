@@ -133,6 +133,8 @@ Settings experimentSettings(const ExperimentContext& context) {
   // Half the image needs half the stride for as many points.
   if (context.options.quick)
     for (SwarmLevel& level : settings.swarm.levels) level.pixel_stride /= kQuickShrink;
+  for (SwarmLevel& level : settings.swarm.levels)
+    level.particles = std::max(64, level.particles / context.options.shrink);
   if (context.options.quick) settings.tracking.templates_per_level = 5;
   return settings;
 }
