@@ -15,16 +15,6 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-Pose moved(const Pose& pose, const Vector6& step) {
-  Pose out = Pose::Identity();
-  const double angle = step.tail<3>().norm();
-  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
-  if (angle > 0) turn = Eigen::AngleAxisd(angle, step.tail<3>() / angle);
-  out.linear() = (turn * Eigen::Quaterniond(pose.linear())).normalized().toRotationMatrix();
-  out.translation() = pose.translation() + step.head<3>();
-  return out;
-}
-
 /// The step that leads from `from` to `to`.
 Vector6 difference(const Pose& from, const Pose& to) {
   const Eigen::AngleAxisd turn(Eigen::Matrix3d(to.linear() * from.linear().transpose()));
@@ -88,6 +78,16 @@ struct Descent {
 };
 
 }  // namespace
+
+Pose moved(const Pose& pose, const Vector6& step) {
+  Pose out = Pose::Identity();
+  const double angle = step.tail<3>().norm();
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+  if (angle > 0) turn = Eigen::AngleAxisd(angle, step.tail<3>() / angle);
+  out.linear() = (turn * Eigen::Quaterniond(pose.linear())).normalized().toRotationMatrix();
+  out.translation() = pose.translation() + step.head<3>();
+  return out;
+}
 
 Refiner::Refiner(Device& device, const Settings& settings, const Intrinsics& intrinsics)
     : settings_(settings.refine),

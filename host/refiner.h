@@ -11,6 +11,12 @@
 
 namespace rosefusion {
 
+inline constexpr int kVoxelsPerPoint = 27;  ///< that the descent reads
+
+/// `pose` shifted in the world by the first three of `step` and turned about its own centre by the last
+/// three, a rotation vector applied from the left.
+Pose moved(const Pose& pose, const Eigen::Matrix<double, 6, 1>& step);
+
 /// How the depth fits the model at a pose. Shares are of the frame's valid pixels on the grid looked at.
 struct PoseFit {
   Pose world_from_camera = Pose::Identity();

@@ -32,8 +32,20 @@ struct VolumeSettings {
 /// last frame (the paper), or those in the overlap of the particle's own pose (the authors' release).
 enum class Overlap { kNone, kBestPose, kParticle };
 
+/// How a frame's pose is found; all but the first start from the last frame's.
+enum class TrackingMethod {
+  kDefault,      ///< this program's: motion model, swarm and descent compete, lost cameras are searched for
+  kPst,          ///< the paper: the swarm template alone
+  kPfo,          ///< particle filter optimisation
+  kPso,          ///< particle swarm optimisation
+  kGaussNewton,  ///< the descent alone (Bylow et al. 2013)
+  kIcp,          ///< point-to-plane against the raycast model (KinectFusion)
+};
+
 struct TrackingSettings {
+  TrackingMethod method = TrackingMethod::kPst;
   Overlap overlap = Overlap::kBestPose;
+  bool normalise = true;
   bool compensate = true;
   std::uint64_t seed = 1;
   int templates_per_level = 20;
@@ -44,10 +56,9 @@ struct TrackingSettings {
   double relocalised_share = 0.75;
 };
 
-/// What goes beyond the paper: starts from a motion model and a descent onto the model's surface around the
-/// swarm.
+/// The descent onto the model's surface. What goes beyond the paper, with method default: starts from a
+/// motion model, and the descent around the swarm.
 struct RefineSettings {
-  bool enabled = false;
   int coarse_iterations = 10;
   int iterations = 15;
   int pixel_stride = 4;
@@ -56,6 +67,13 @@ struct RefineSettings {
   double least_constraint = 0.001;
   double motion_preference = 0.05;
   double minimum_move = 5e-5;
+};
+
+/// Iterative closest points, of method icp.
+struct IcpSettings {
+  double distance = 0.1;
+  double angle = 0.35;
+  double minimum_move = 1e-5;
 };
 
 struct MeshSettings {
@@ -69,6 +87,9 @@ struct Settings {
   SwarmSettings swarm;
   TrackingSettings tracking;
   RefineSettings refine;
+  PfoSettings pfo;
+  PsoSettings pso;
+  IcpSettings icp;
   MeshSettings mesh;
 };
 

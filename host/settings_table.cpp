@@ -78,6 +78,12 @@ std::vector<SettingsField> makeTable() {
           "volume.memory_limit_mb", "MiB", 0, kMany, "largest volume; 0: 80 % of the device's memory",
           [](Settings & s) -> auto& { return s.volume.memory_limit_mb; }),
 
+      choice<TrackingMethod>(
+          "tracker.method", {"default", "pst", "pfo", "pso", "gauss-newton", "icp"},
+          "how a pose is found: default, motion model, swarm and descent; pst, the paper's swarm alone; "
+          "others for comparison",
+          T(&TrackingSettings::method)),
+
       choice<FitnessLoss>("swarm.loss", {"squared", "absolute"}, "per point: psi^2 [eq. normallh] or |psi|",
                           S(&W::loss)),
       row("swarm.tau", "", 1e-6, 1e6, "temperature of the fitness [eq. pfolh]", S(&W::tau)),
@@ -98,6 +104,9 @@ std::vector<SettingsField> makeTable() {
       row("swarm.minimum_counted_share", "", 0, 1, "a particle needs this share of particle 0's pixels",
           S(&W::minimum_counted_share)),
       row("swarm.axis_scale", "", 1e-6, 1e3, "factor of (1 - rho) v/|v| [eq. rsinter]", S(&W::axis_scale)),
+      choice<Rescaling>("swarm.rescaling", {"both", "anisotropic", "isotropic"},
+                        "parts of [eq. rsinter] in use: the direction of the last move, 1 - rho",
+                        S(&W::rescaling)),
       row("swarm.axis_epsilon", "", 0, 1, "least axis length [eq. rsinter]", S(&W::axis_epsilon)),
       row("swarm.axis_momentum", "", 0, 1, "share of the previous lengths [eq. momentum]",
           S(&W::axis_momentum)),
@@ -115,6 +124,11 @@ std::vector<SettingsField> makeTable() {
                       "best pose or at the "
                       "particle's own",
                       T(&TrackingSettings::overlap)),
+      row("tracking.normalise", "", 0, 1,
+          "losses are means over a particle's counted pixels [eq. normallh]; off: sums over them, as shares "
+          "of "
+          "the pixels looked at [eq. ourlh]",
+          T(&TrackingSettings::normalise)),
       row("tracking.compensate", "", 0, 1, "Kahan-compensated sums [GPU implementation]",
           T(&TrackingSettings::compensate)),
       row("tracking.seed", "", 0, 1e15, "seed of the swarm templates", T(&TrackingSettings::seed)),
@@ -132,9 +146,6 @@ std::vector<SettingsField> makeTable() {
           "once lost, a pose is believed when this share of the pixels meets the model",
           T(&TrackingSettings::relocalised_share)),
 
-      row("refine.enabled", "", 0, 1,
-          "start from a motion model and descend onto the surface; off: the swarm alone, as in the paper",
-          R(&RefineSettings::enabled)),
       row("refine.coarse_iterations", "", 1, 1000, "most steps of a start's descent",
           R(&RefineSettings::coarse_iterations)),
       row("refine.iterations", "", 1, 1000, "most steps of the last descent", R(&RefineSettings::iterations)),
@@ -151,6 +162,35 @@ std::vector<SettingsField> makeTable() {
           R(&RefineSettings::motion_preference)),
       row("refine.minimum_move", "m, rad", 0, 1, "a smaller step ends the descent",
           R(&RefineSettings::minimum_move)),
+
+      row(
+          "pfo.shift_deviation", "m", 0, 1, "of the proposal [eq. proposal]; the pfo group is of method pfo",
+          [](Settings & s) -> auto& { return s.pfo.shift_deviation; }),
+      row(
+          "pfo.turn_deviation", "", 0, 1, "the same of the quaternion's imaginary part",
+          [](Settings & s) -> auto& { return s.pfo.turn_deviation; }),
+      row(
+          "pfo.temperature", "", 1e-6, 1e6, "particles are resampled by exp(-loss / this) [eq. pfolh]",
+          [](Settings & s) -> auto& { return s.pfo.temperature; }),
+      row(
+          "pso.inertia", "", 0, 1,
+          "share of a particle's velocity that it keeps; the pso group is of method pso",
+          [](Settings & s) -> auto& { return s.pso.inertia; }),
+      row(
+          "pso.own_pull", "", 0, 10, "towards the best place that the particle has seen",
+          [](Settings & s) -> auto& { return s.pso.own_pull; }),
+      row(
+          "pso.swarm_pull", "", 0, 10, "towards the best place of all",
+          [](Settings & s) -> auto& { return s.pso.swarm_pull; }),
+      row(
+          "icp.distance", "m", 1e-3, 10, "farther points are no pairs; the icp group is of method icp",
+          [](Settings & s) -> auto& { return s.icp.distance; }),
+      row(
+          "icp.angle", "rad", 0, 3.2, "nor are points whose normals differ by more",
+          [](Settings & s) -> auto& { return s.icp.angle; }),
+      row(
+          "icp.minimum_move", "m, rad", 0, 1, "a smaller step ends a level's iterations",
+          [](Settings & s) -> auto& { return s.icp.minimum_move; }),
 
       row(
           "mesh.min_weight", "frames", 0, 255,

@@ -31,12 +31,7 @@ SwarmSearch::SwarmSearch(Device& device, const Settings& settings, const Intrins
                          TemplateSet templates)
     : settings_(settings),
       templates_(std::move(templates)),
-      camera_(toShader(intrinsics)),
-      recorder_(device),
-      select_(device, toShader(intrinsics)),
-      fitness_(device, flatten(templates_),
-               settings.swarm.loss == FitnessLoss::kSquared ? Loss::Squared : Loss::Absolute,
-               settings.tracking.compensate) {
+      evaluator_(device, settings, intrinsics, flatten(templates_)) {
   std::uint32_t offset = 0;
   for (std::size_t level = 0; level < settings.swarm.levels.size(); ++level) {
     const auto particles = static_cast<std::size_t>(settings.swarm.levels[level].particles);
@@ -48,18 +43,8 @@ SwarmSearch::SwarmSearch(Device& device, const Settings& settings, const Intrins
   }
 }
 
-void SwarmSearch::evaluate(const PreprocessPass& frame, const Volume& volume, const PixelGrid& grid,
-                           const Pose& centre, const Pose& last, const SwarmPlacement& swarm) {
-  const glm::mat4 previous_from_current = toShader(last.inverse() * centre);
-  const Overlap overlap = settings_.tracking.overlap;
-  select_.record(recorder_, frame, grid, overlap == Overlap::kBestPose ? &previous_from_current : nullptr);
-  const LastView view{toShader(last.inverse()), camera_};
-  fitness_.record(recorder_, volume, select_, swarm, overlap == Overlap::kParticle ? &view : nullptr);
-  recorder_.submit();
-}
-
 SwarmResult SwarmSearch::search(const PreprocessPass& frame, const Volume& volume, const Pose& start,
-                                const Pose& last) {
+                                const Pose& last, const SearchObserver& observer) {
   SwarmResult result;
   SwarmState state = beginFrame(settings_.swarm, start, previous_ ? &*previous_ : nullptr);
   while (!state.stopped()) {
@@ -68,13 +53,17 @@ SwarmResult SwarmSearch::search(const PreprocessPass& frame, const Volume& volum
     const auto number = static_cast<std::uint32_t>(state.serial % templates_.levels[state.level].size());
     const auto particles = static_cast<std::uint32_t>(level.particles);
     const Eigen::Vector2i offset = pixelOffset(settings_.swarm, state);
-    evaluate(
+    evaluator_.evaluate(
         frame, volume, {level.pixel_stride, offset.x(), offset.y()}, state.centre, last,
         {toShader(state.centre), shaderLengths(state.axis_lengths, 0), shaderLengths(state.axis_lengths, 3),
          level_offsets_[state.level] + number * particles, particles});
-    result.lookups += std::uint64_t(particles) * select_.selected();
+    result.lookups += std::uint64_t(particles) * evaluator_.select.selected();
+    const std::function<Pose(std::size_t)> pose = [&](std::size_t i) {
+      return moveBy(state.centre, scaledParticle(swarm_template, i, state.axis_lengths));
+    };
+    if (observer) observer({state, evaluator_.losses(), pose});
     result.steps.push_back(
-        update(settings_.swarm, state, swarm_template, fitness_.losses(), fitness_.counted()));
+        update(settings_.swarm, state, swarm_template, evaluator_.losses(), evaluator_.counted()));
   }
   result.world_from_camera = state.centre;
   result.iterations = state.iteration;
@@ -90,17 +79,18 @@ std::vector<ScannedPose> SwarmSearch::scan(const PreprocessPass& frame, const Vo
   Vector6 lengths;
   lengths << Eigen::Vector3d::Constant(shift), Eigen::Vector3d::Constant(turn);
   const int stride = settings_.swarm.levels.front().pixel_stride;
-  select_.record(recorder_, frame, {stride, stride / 2, stride / 2}, nullptr);
-  recorder_.submit();
+  evaluator_.select.record(evaluator_.recorder, frame, {stride, stride / 2, stride / 2}, nullptr);
+  evaluator_.recorder.submit();
   std::vector<ScannedPose> found;
   for (const Pose& pose : poses) {
-    fitness_.record(recorder_, volume, select_,
-                    {toShader(pose), shaderLengths(lengths, 0), shaderLengths(lengths, 3),
-                     level_offsets_[level], static_cast<std::uint32_t>(swarm_template.particles.size())});
-    recorder_.submit();
-    const auto losses = fitness_.losses();
+    evaluator_.fitness.record(
+        evaluator_.recorder, volume, evaluator_.select,
+        {toShader(pose), shaderLengths(lengths, 0), shaderLengths(lengths, 3), level_offsets_[level],
+         static_cast<std::uint32_t>(swarm_template.particles.size())});
+    evaluator_.recorder.submit();
+    const auto losses = evaluator_.fitness.losses();
     ScannedPose best;
-    best.lookups = losses.size() * std::uint64_t(select_.selected());
+    best.lookups = losses.size() * std::uint64_t(evaluator_.select.selected());
     for (std::size_t i = 0; i < losses.size(); ++i) {
       if (losses[i] < 0 || losses[i] >= best.loss) continue;
       best.loss = losses[i];
@@ -117,14 +107,14 @@ PoseScore SwarmSearch::score(const PreprocessPass& frame, const Volume& volume, 
   const SwarmPlacement one{toShader(world_from_camera), glm::vec4(0), glm::vec4(0), level_offsets_[0], 1};
   const PixelGrid grid{kScoreStride, 0, 0};
   const glm::mat4 previous_from_current = toShader(last.inverse() * world_from_camera);
-  select_.record(recorder_, frame, grid, &previous_from_current);
-  fitness_.record(recorder_, volume, select_, one);
-  recorder_.submit();
+  evaluator_.select.record(evaluator_.recorder, frame, grid, &previous_from_current);
+  evaluator_.fitness.record(evaluator_.recorder, volume, evaluator_.select, one);
+  evaluator_.recorder.submit();
   PoseScore score;
-  const double valid = select_.valid();
-  score.valid_share = valid / select_.cells();
-  if (valid > 0) score.overlap = select_.selected() / valid;
-  const double loss = fitness_.losses()[0];
+  const double valid = evaluator_.select.valid();
+  score.valid_share = valid / evaluator_.select.cells();
+  if (valid > 0) score.overlap = evaluator_.select.selected() / valid;
+  const double loss = evaluator_.fitness.losses()[0];
   if (loss >= 0) score.residual = settings_.swarm.loss == FitnessLoss::kSquared ? std::sqrt(loss) : loss;
   return score;
 }

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/passes/fitness.h"
-#include "host/settings.h"
+#include "host/particle_evaluator.h"
+#include "host/search_observer.h"
 #include "host/swarm/swarm_update.h"
 
 namespace rosefusion {
@@ -40,7 +40,8 @@ class SwarmSearch {
 
   /// Pose of the frame held by `frame`, searched from `start`; `last`: the last frame's pose, for the
   /// overlap.
-  SwarmResult search(const PreprocessPass& frame, const Volume& volume, const Pose& start, const Pose& last);
+  SwarmResult search(const PreprocessPass& frame, const Volume& volume, const Pose& start, const Pose& last,
+                     const SearchObserver& observer = {});
   /// The best particle of one wide template around each pose, over every valid pixel of a coarse grid: for
   /// poses that may be far off. Axis lengths in metres and of the quaternion's imaginary part.
   std::vector<ScannedPose> scan(const PreprocessPass& frame, const Volume& volume,
@@ -48,18 +49,13 @@ class SwarmSearch {
   /// Fit of the frame at a pose; every 8th pixel, all of them counted for the shares.
   PoseScore score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera,
                   const Pose& last);
+  const TemplateSet& templates() const { return templates_; }
 
  private:
-  void evaluate(const PreprocessPass& frame, const Volume& volume, const PixelGrid& grid, const Pose& centre,
-                const Pose& last, const SwarmPlacement& swarm);
-
   const Settings settings_;
   TemplateSet templates_;
   std::vector<std::uint32_t> level_offsets_;  ///< first particle of each level's first template on the device
-  shader::CameraIntrinsics camera_;
-  Recorder recorder_;
-  SelectPointsPass select_;
-  FitnessPass fitness_;
+  ParticleEvaluator evaluator_;
   std::optional<SwarmState> previous_;
 };
 

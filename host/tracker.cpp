@@ -7,7 +7,6 @@
 namespace rosefusion {
 namespace {
 
-constexpr int kVoxelsPerPoint = 27;          // that the descent reads
 constexpr std::size_t kRememberedCosts = 9;  // frames
 // A frame's cost is suspicious beyond this factor of the recent ones' median, and this much more.
 constexpr double kSuspiciousFactor = 1.3, kSuspiciousExcess = 0.05;
@@ -31,7 +30,8 @@ Tracker::Tracker(Device& device, const Settings& settings, const Intrinsics& int
                  TemplateSet templates)
     : settings_(settings),
       search_(device, settings, intrinsics, std::move(templates)),
-      refiner_(device, settings, intrinsics) {}
+      refiner_(device, settings, intrinsics),
+      other_method_(makePoseMethod(device, settings, intrinsics, search_, refiner_)) {}
 
 void Tracker::search(const PreprocessPass& frame, const Volume& volume, const Pose& start,
                      TrackResult& result) {
@@ -50,11 +50,8 @@ bool Tracker::suspicious(double cost) const {
 }
 
 TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, double timestamp) {
+  if (other_method_) return other_method_->track(frame, volume, last_);
   TrackResult result;
-  if (!settings_.refine.enabled) {
-    search(frame, volume, last_, result);
-    return result;
-  }
   if (lost_) return relocalise(frame, volume);
   const RefineSettings& s = settings_.refine;
   const Pose expected = motion_.predict(timestamp);
@@ -127,7 +124,7 @@ void Tracker::accept(const Pose& world_from_camera, double timestamp, bool fused
 }
 
 void Tracker::lose() {
-  lost_ = settings_.refine.enabled;
+  lost_ = !other_method_;
   motion_.forgetVelocity();
 }
 

@@ -1,22 +1,13 @@
-// Finds a frame's pose. As in the paper: the swarm from the last pose. With refine.enabled: starts from a
-// motion model, the swarm and a descent onto the surface compete, and a frame that fits worse than its
-// predecessors is searched for again, more widely.
+// Finds a frame's pose. By the product's own method starts from a motion model, the swarm and a descent onto
+// the surface compete, and a frame that fits worse than its predecessors is searched for again, more widely.
+// The other methods of tracking.method are host/pose_method.h's.
 #pragma once
 #include <deque>
-#include <optional>
 
 #include "host/motion_model.h"
-#include "host/refiner.h"
-#include "host/swarm_search.h"
+#include "host/pose_method.h"
 
 namespace rosefusion {
-
-struct TrackResult {
-  Pose world_from_camera = Pose::Identity();
-  int iterations = 0;          ///< of the swarm
-  std::uint64_t lookups = 0;   ///< TSDF voxels read, by the swarm and the descent
-  std::optional<PoseFit> fit;  ///< where the descent ended; empty without it
-};
 
 /// One thread.
 class Tracker {
@@ -45,6 +36,7 @@ class Tracker {
   const Settings settings_;
   SwarmSearch search_;
   Refiner refiner_;
+  std::unique_ptr<PoseMethod> other_method_;  ///< none: the product's own
   MotionModel motion_;
   std::vector<Pose> keyframes_;  ///< fused poses, spread over the model
   bool lost_ = false;

@@ -25,6 +25,9 @@ int runCommandLine(int argc, char** argv) {
   addPstCommand(app);
   addDevicesCommand(app);
   addBenchCommand(app);
+#ifdef ROSEFUSION_EXPERIMENTS
+  addExperimentCommand(app);
+#endif
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -30,10 +30,15 @@ FitnessPass::FitnessPass(Device& device, std::span<const glm::vec4> templates, L
       slices_(slices),
       reduce_(device, shaderCode("fitness_reduce"), 3, sizeof(FitnessReduceParams)) {
   overlap_ = Buffer(device, sizeof(OverlapView), Memory::Upload);
-  templates_ = Buffer(device, templates.size_bytes(), Memory::Device);
-  Buffer stage(device, templates.size_bytes(), Memory::Upload);
+  setTemplates(templates);
+}
+
+void FitnessPass::setTemplates(std::span<const glm::vec4> templates) {
+  if (templates_.bytes() < templates.size_bytes())
+    templates_ = Buffer(device_, templates.size_bytes(), Memory::Device);
+  Buffer stage(device_, templates.size_bytes(), Memory::Upload);
   std::memcpy(stage.as<char>().data(), templates.data(), templates.size_bytes());
-  Recorder recorder(device);
+  Recorder recorder(device_);
   recorder.copy(stage, templates_, templates.size_bytes());
   recorder.submit();
 }

@@ -38,6 +38,9 @@ class FitnessPass {
   FitnessPass(Device& device, std::span<const glm::vec4> templates, Loss loss, bool compensate = true,
               std::uint32_t slices = 0);
 
+  /// Replaces the templates, for swarms whose particles move one by one; between submits.
+  void setTemplates(std::span<const glm::vec4> templates);
+
   /// With `last_view` a particle counts only the points that it moves into that view; without, it counts all
   /// points.
   void record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points,

@@ -40,16 +40,20 @@ Sphere boundingSphere(const Volume& volume, const Eigen::Matrix3d& upright_from_
   return {upright_from_world.transpose() * (low + high) / 2, (high - low).norm() / 2};
 }
 
-void drawPath(cv::Mat& picture, const Trajectory& trajectory, const Pose& view_from_world) {
+void drawPath(cv::Mat& picture, const Trajectory& trajectory, std::span<const double> shades,
+              const Pose& view_from_world) {
   cv::Mat ramp(1, 256, CV_8UC1), colours;
   for (int i = 0; i < 256; ++i) ramp.at<std::uint8_t>(i) = static_cast<std::uint8_t>(i);
-  cv::applyColorMap(ramp, colours, cv::COLORMAP_TURBO);
+  cv::applyColorMap(ramp, colours, shades.empty() ? cv::COLORMAP_TURBO : cv::COLORMAP_VIRIDIS);
   for (std::size_t i = 1; i < trajectory.size(); ++i) {
     const Eigen::Vector3d a = view_from_world * trajectory[i - 1].world_from_camera.translation();
     const Eigen::Vector3d b = view_from_world * trajectory[i].world_from_camera.translation();
     if (a.z() <= 0 || b.z() <= 0) continue;
     const Eigen::Vector2d from = kView.project(a), to = kView.project(b);
-    const auto& c = colours.at<cv::Vec3b>(static_cast<int>(255 * i / trajectory.size()));
+    const std::size_t shade = shades.empty()
+                                  ? 255 * i / trajectory.size()
+                                  : static_cast<std::size_t>(255 * std::clamp(shades[i], 0.0, 1.0));
+    const auto& c = colours.at<cv::Vec3b>(static_cast<int>(shade));
     cv::line(picture, cv::Point2d(from.x(), from.y()), cv::Point2d(to.x(), to.y()),
              cv::Scalar(c[0], c[1], c[2]), kLineWidth, cv::LINE_AA);
   }
@@ -82,7 +86,7 @@ Pose overviewPose(const Volume& volume, const Trajectory& trajectory, const Intr
   return pose;
 }
 
-cv::Mat renderOverview(Pipeline& pipeline, const Trajectory& trajectory) {
+cv::Mat renderOverview(Pipeline& pipeline, const Trajectory& trajectory, std::span<const double> shades) {
   const Pose pose = overviewPose(pipeline.volume(), trajectory, kView);
   RaycastPass raycast(pipeline.device(), toShader(kView));
   Recorder recorder(pipeline.device());
@@ -99,7 +103,7 @@ cv::Mat renderOverview(Pipeline& pipeline, const Trajectory& trajectory) {
       picture.at<cv::Vec3b>(row, column) = {static_cast<std::uint8_t>(w >> 16),
                                             static_cast<std::uint8_t>(w >> 8), static_cast<std::uint8_t>(w)};
     }
-  drawPath(picture, trajectory, pose.inverse());
+  drawPath(picture, trajectory, shades, pose.inverse());
   return picture;
 }
 

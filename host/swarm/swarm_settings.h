@@ -15,6 +15,13 @@ enum class FrameStart {
   kFailureLoss,  ///< the release: a sphere scaled by the loss at which the search last failed to improve
 };
 
+/// Which parts of [eq. rsinter] rescale the swarm; the others are the paper's ablation.
+enum class Rescaling {
+  kBoth,
+  kAnisotropic,  ///< the attractor alone: 1 - rho stays 1 - initial_likelihood
+  kIsotropic,    ///< 1 - rho alone, on every axis
+};
+
 /// One resolution of the search [Multi-resolution PST].
 struct SwarmLevel {
   int particles = 0;
@@ -33,7 +40,8 @@ struct SwarmSettings {
   int max_advantage_particles =
       0;  ///< advantage particles averaged, in template order; 0 = all (paper), release 200
 
-  double axis_scale = 1.0;     ///< factor of (1 - rho) v / |v| [eq. rsinter]; release 0.09
+  double axis_scale = 1.0;  ///< factor of (1 - rho) v / |v| [eq. rsinter]; release 0.09
+  Rescaling rescaling = Rescaling::kBoth;
   double axis_epsilon = 1e-3;  ///< epsilon, keeps the template from degenerating [eq. rsinter]
   double axis_momentum = 0.1;  ///< beta, the previous lengths' share [eq. momentum]
   double empty_set_scale =
@@ -52,6 +60,21 @@ struct SwarmSettings {
   double minimum_move =
       1e-6;  ///< a move below this in all six dimensions ends the search [Convergence criteria]
   bool operator==(const SwarmSettings&) const = default;
+};
+
+/// Particle filter optimisation without swarm guidance [section 4.1]: a Gaussian proposal around resampled
+/// particles.
+struct PfoSettings {
+  double shift_deviation = 0.01;  ///< metres, of the proposal [eq. proposal]
+  double turn_deviation = 0.005;  ///< of the quaternion's imaginary part
+  double temperature = 0.02;      ///< tau of the weights exp(-(loss - best loss) / tau) [eq. pfolh]
+};
+
+/// Particle swarm optimisation (Kennedy and Eberhart 1995) with the constriction of Clerc and Kennedy (2002).
+struct PsoSettings {
+  double inertia = 0.7298;
+  double own_pull = 1.49618;    ///< towards the best place that the particle itself has seen
+  double swarm_pull = 1.49618;  ///< towards the best place of all
 };
 
 /// The method of the paper: the defaults.

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <stdexcept>
 
 namespace rosefusion {
@@ -18,31 +17,6 @@ Eigen::Vector4d unitQuaternion(Eigen::Vector3d v) {
   return q;
 }
 
-double fitness(const SwarmSettings& settings, double loss) {
-  return settings.loss == FitnessLoss::kSquared ? std::exp(-loss / settings.tau) : 1 - loss;
-}
-
-// Fitness by particle; none for particles that do not count.
-class Scores {
- public:
-  Scores(const SwarmSettings& settings, std::span<const float> losses, std::span<const uint32_t> pixel_counts)
-      : settings_(settings), losses_(losses), pixel_counts_(pixel_counts) {}
-
-  std::optional<double> operator[](size_t i) const {
-    const double loss = losses_[i];
-    if (!(loss >= 0)) return std::nullopt;  // NaN too
-    if (!pixel_counts_.empty() && i > 0 &&
-        pixel_counts_[i] <= settings_.minimum_counted_share * static_cast<double>(pixel_counts_[0]))
-      return std::nullopt;
-    return fitness(settings_, loss);
-  }
-
- private:
-  const SwarmSettings& settings_;
-  std::span<const float> losses_;
-  std::span<const uint32_t> pixel_counts_;
-};
-
 // The advantage set's weighted mean [eq. ebs] and its approximated fitness [eq. wafit].
 struct AdvantageMean {
   int count = 0;
@@ -51,13 +25,14 @@ struct AdvantageMean {
 };
 
 AdvantageMean averageAdvantage(const SwarmSettings& settings, const SwarmState& state,
-                               const SwarmTemplate& swarm_template, const Scores& scores, double reference) {
+                               const SwarmTemplate& swarm_template, std::span<const float> losses,
+                               std::span<const uint32_t> pixel_counts, double reference) {
   AdvantageMean mean;
   double weight_sum = 0;
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
   Eigen::Vector4d quaternion = Eigen::Vector4d::Zero();
   for (size_t i = 1; i < swarm_template.particles.size(); ++i) {
-    const std::optional<double> score = scores[i];
+    const std::optional<double> score = particleFitness(settings, losses, pixel_counts, i);
     if (!score || !(*score > reference)) continue;
     const double weight = *score - reference;
     const Vector6 particle = scaledParticle(swarm_template, i, state.axis_lengths);
@@ -78,8 +53,10 @@ AdvantageMean averageAdvantage(const SwarmSettings& settings, const SwarmState& 
 // r^ after a successful iteration [eq. rsinter]. Lengths are magnitudes, whatever the move's direction.
 Vector6 attractedLengths(const SwarmSettings& settings, const Vector6& move, double likelihood) {
   const double norm = move.norm();
+  const bool directed = norm > 0 && settings.rescaling != Rescaling::kIsotropic;
   const Vector6 direction =
-      norm > 0 ? Vector6(move.cwiseAbs() / norm) : Vector6(Vector6::Ones().normalized());
+      directed ? Vector6(move.cwiseAbs() / norm) : Vector6(Vector6::Ones().normalized());
+  if (settings.rescaling == Rescaling::kAnisotropic) likelihood = settings.initial_likelihood;
   return (settings.axis_scale * (1 - likelihood) * direction).array() + settings.axis_epsilon;
 }
 
@@ -109,6 +86,16 @@ std::string_view describe(StopReason reason) {
       return "the iteration limit was reached";
   }
   return "unknown";
+}
+
+std::optional<double> particleFitness(const SwarmSettings& settings, std::span<const float> losses,
+                                      std::span<const uint32_t> pixel_counts, size_t i) {
+  const double loss = losses[i];
+  if (!(loss >= 0)) return std::nullopt;  // NaN too
+  if (!pixel_counts.empty() && i > 0 &&
+      pixel_counts[i] <= settings.minimum_counted_share * static_cast<double>(pixel_counts[0]))
+    return std::nullopt;
+  return settings.loss == FitnessLoss::kSquared ? std::exp(-loss / settings.tau) : 1 - loss;
 }
 
 SwarmState beginFrame(const SwarmSettings& settings, const Pose& start, const SwarmState* previous_frame) {
@@ -153,15 +140,14 @@ SwarmStep update(const SwarmSettings& settings, SwarmState& state, const SwarmTe
     throw std::invalid_argument("swarm update: one loss (and pixel count) per particle is needed");
   if (state.stopped()) throw std::invalid_argument("swarm update: the search has stopped");
 
-  const Scores scores(settings, losses, pixel_counts);
-  const std::optional<double> reference = scores[0];
+  const auto score = [&](size_t i) { return particleFitness(settings, losses, pixel_counts, i); };
+  const std::optional<double> reference = score(0);
   SwarmStep step;
   step.level = state.level;
-  step.iteration = ++state.iteration;
-  for (size_t i = 0; i < losses.size(); ++i) step.counted += scores[i].has_value();
+  for (size_t i = 0; i < losses.size(); ++i) step.counted += score(i).has_value();
 
   AdvantageMean mean;
-  if (reference) mean = averageAdvantage(settings, state, swarm_template, scores, *reference);
+  if (reference) mean = averageAdvantage(settings, state, swarm_template, losses, pixel_counts, *reference);
   Vector6 lengths;
   if (mean.count > 0) {
     state.centre = moveBy(state.centre, mean.move);
@@ -176,23 +162,24 @@ SwarmStep update(const SwarmSettings& settings, SwarmState& state, const SwarmTe
   step.move = mean.move;
   step.likelihood_before = reference.value_or(settings.initial_likelihood);
   step.likelihood_after = mean.count > 0 ? mean.likelihood : step.likelihood_before;
-
-  state.best_likelihood = step.likelihood_after;
-  if (mean.count > 0) {
-    state.empty_sets_in_a_row = 0;
-  } else {
-    ++state.empty_sets_in_a_row;
-    if (!state.had_empty_set) state.failure_loss = 1 - step.likelihood_before;
-    state.had_empty_set = true;
-  }
+  finishIteration(settings, state, step);
   state.axis_lengths = settings.axis_momentum * state.axis_lengths + (1 - settings.axis_momentum) * lengths;
   if (state.iteration == 1) state.first_axis_lengths = state.axis_lengths;
   step.axis_lengths = state.axis_lengths;
+  return step;
+}
+
+void finishIteration(const SwarmSettings& settings, SwarmState& state, SwarmStep& step) {
+  step.iteration = ++state.iteration;
+  state.best_likelihood = step.likelihood_after;
+  const bool empty = step.advantage == 0;
+  state.empty_sets_in_a_row = empty ? state.empty_sets_in_a_row + 1 : 0;
+  if (empty && !state.had_empty_set) state.failure_loss = 1 - step.likelihood_before;
+  state.had_empty_set = state.had_empty_set || empty;
   ++state.serial;
-  const bool restart = mean.count == 0 && settings.restart_levels_when_empty;
+  const bool restart = empty && settings.restart_levels_when_empty;
   state.level = restart ? 0 : (state.level + 1) % settings.levels.size();
   step.stop_reason = state.stop_reason = stopReason(settings, state, step);
-  return step;
 }
 
 }  // namespace rosefusion

@@ -3,6 +3,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -76,5 +77,14 @@ Eigen::Vector2i pixelOffset(const SwarmSettings& settings, const SwarmState& sta
 /// size or the search has stopped.
 SwarmStep update(const SwarmSettings& settings, SwarmState& state, const SwarmTemplate& swarm_template,
                  std::span<const float> losses, std::span<const uint32_t> pixel_counts = {});
+
+/// What every kind of swarm ends an iteration with: counts it, remembers whether anything improved
+/// (step.advantage), chooses the next level, and decides whether the search stops. Before: step.level,
+/// advantage, likelihoods and move; after: the rest but the axis lengths.
+void finishIteration(const SwarmSettings& settings, SwarmState& state, SwarmStep& step);
+
+/// Fitness of particle `i` in [0, 1], none where it does not count; see update for the arguments.
+std::optional<double> particleFitness(const SwarmSettings& settings, std::span<const float> losses,
+                                      std::span<const uint32_t> pixel_counts, size_t i);
 
 }  // namespace rosefusion

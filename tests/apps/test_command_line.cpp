@@ -31,7 +31,8 @@ Outcome program(const std::string& arguments, const std::string& environment = "
 }
 
 TEST(CommandLine, EverySubcommandHasHelpWithAnExample) {
-  for (const char* name : {"run", "check", "eval", "eval-mesh", "synth", "pst", "devices", "bench"}) {
+  for (const char* name :
+       {"run", "check", "eval", "eval-mesh", "synth", "pst", "devices", "bench", "experiment"}) {
     const Outcome help = program(std::string(name) + " --help");
     EXPECT_EQ(help.code, 0) << name;
     EXPECT_THAT(help.text, HasSubstr("xample")) << name;
@@ -59,7 +60,8 @@ TEST(CommandLine, BadInputEndsInOneSentenceThatNamesIt) {
         Case{"bench --suite tracking --rooms 0", "--rooms"},
         Case{"bench --suite tracking --repeat 3", "--repeat"}, Case{"bench --rooms 3", "--rooms"},
         Case{"bench --suite tracking --max-speed 90", "--max-speed"},
-        Case{"synth " + empty + "/s --noise loud", "--noise"}}) {
+        Case{"synth " + empty + "/s --noise loud", "--noise"},
+        Case{"experiment nosuch --out " + empty, "nosuch"}}) {
     const Outcome outcome = program(c.arguments);
     EXPECT_EQ(outcome.code, kExitBadInput) << c.arguments << "\n" << outcome.text;
     EXPECT_THAT(outcome.text, HasSubstr(c.named)) << c.arguments;

@@ -11,6 +11,7 @@
 #include "shaders/compute/interface/extract_emit.h"
 #include "shaders/compute/interface/fitness.h"
 #include "shaders/compute/interface/fitness_reduce.h"
+#include "shaders/compute/interface/icp.h"
 #include "shaders/compute/interface/integrate.h"
 #include "shaders/compute/interface/preprocess.h"
 #include "shaders/compute/interface/raycast.h"
@@ -50,6 +51,11 @@ const std::map<std::string, ShaderStruct>& structsInCpp() {
       STRUCT(OverlapView, MEMBER(OverlapView, image_from_world), MEMBER(OverlapView, size)),
       STRUCT(FitnessReduceParams, MEMBER(FitnessReduceParams, particles),
              MEMBER(FitnessReduceParams, slices)),
+      STRUCT(IcpParams, MEMBER(IcpParams, world_from_camera), MEMBER(IcpParams, parts),
+             MEMBER(IcpParams, pad0), MEMBER(IcpParams, pad1), MEMBER(IcpParams, pad2)),
+      STRUCT(IcpModel, MEMBER(IcpModel, camera_from_world), MEMBER(IcpModel, focal_centre),
+             MEMBER(IcpModel, size), MEMBER(IcpModel, grid), MEMBER(IcpModel, distance),
+             MEMBER(IcpModel, cosine), MEMBER(IcpModel, pad0), MEMBER(IcpModel, pad1)),
       STRUCT(IntegrateParams, MEMBER(IntegrateParams, camera_from_world),
              MEMBER(IntegrateParams, focal_centre), MEMBER(IntegrateParams, size),
              MEMBER(IntegrateParams, noise_floor), MEMBER(IntegrateParams, noise_growth),

@@ -22,7 +22,6 @@ class RefinerTest : public ValidatingDevice {
     run_->fuseAll();
     run_->load(kFrames - 1);
     truth_ = sequence.poses[kFrames - 1];
-    settings_.refine.enabled = true;
     refiner_.emplace(device(), settings_, sequence.camera);
     refiner_->look(run_->preprocess, kStride);
   }
