@@ -39,7 +39,8 @@ Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Im
     using Usage = vk::BufferUsageFlagBits;
     impl_->buffer = {
         device.device,
-        vk::BufferCreateInfo({}, bytes, Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst)};
+        vk::BufferCreateInfo({}, bytes, Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst),
+        device.allocator};
     const auto requirements = impl_->buffer.getMemoryRequirements();
     const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
     const int type =
@@ -53,7 +54,8 @@ Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Im
     requireAtMost(device.memory.memoryHeaps[device.memory.memoryTypes[type].heapIndex].size,
                   requirements.size, device.info);
     impl_->memory = {device.device,
-                     vk::MemoryAllocateInfo(requirements.size, static_cast<std::uint32_t>(type))};
+                     vk::MemoryAllocateInfo(requirements.size, static_cast<std::uint32_t>(type)),
+                     device.allocator};
     impl_->buffer.bindMemory(*impl_->memory, 0);
     if (memory != Memory::Device) impl_->mapped = impl_->memory.mapMemory(0, bytes);
   } catch (const vk::SystemError& error) {
@@ -66,11 +68,17 @@ Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Im
 
 Buffer::Buffer() = default;
 Buffer::~Buffer() = default;
+Buffer::Buffer(const Buffer&) = default;
+Buffer& Buffer::operator=(const Buffer&) = default;
 Buffer::Buffer(Buffer&&) noexcept = default;
 Buffer& Buffer::operator=(Buffer&&) noexcept = default;
 
 std::uint64_t Buffer::bytes() const {
   return impl_ ? impl_->bytes : 0;
+}
+
+VkBuffer_T* Buffer::handle() const {
+  return impl_ ? static_cast<VkBuffer>(*impl_->buffer) : nullptr;
 }
 
 void* Buffer::mapped() const {

@@ -7,6 +7,8 @@
 
 #include "engine/device.h"
 
+struct VkBuffer_T;  // what Vulkan's handle points to
+
 namespace rosefusion {
 
 enum class Memory {
@@ -15,13 +17,16 @@ enum class Memory {
   Readback,  ///< mapped and coherent, cached where possible; shaders write, the host reads
 };
 
-/// Owning and movable; must not outlive its Device. Contents are undefined at first.
+/// A handle: copies name the same storage, which goes with the last of them and must not outlive its Device.
+/// Contents are undefined at first.
 class Buffer {
  public:
   Buffer();
   /// `bytes` is rounded up to a multiple of 4, at least 16. Throws DeviceError (OutOfMemory).
   Buffer(Device& device, std::uint64_t bytes, Memory memory);
   ~Buffer();
+  Buffer(const Buffer&);
+  Buffer& operator=(const Buffer&);
   Buffer(Buffer&&) noexcept;
   Buffer& operator=(Buffer&&) noexcept;
 
@@ -34,12 +39,15 @@ class Buffer {
     return {static_cast<T*>(mapped()), bytes() / sizeof(T)};
   }
 
+  /// Null when empty. Usage: storage, transfer source and destination; one queue family.
+  VkBuffer_T* handle() const;
+
   struct Impl;
   Impl& impl() const { return *impl_; }
 
  private:
   void* mapped() const;
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Impl> impl_;
 };
 
 }  // namespace rosefusion

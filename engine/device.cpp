@@ -1,131 +1,33 @@
 #include "engine/device.h"
 
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
 
 #include "engine/error.h"
-#include "engine/vulkan.h"
+#include "engine/physical_device.h"
 
 namespace rosefusion {
 namespace {
 
-// What the passes need; every desktop and mobile driver known to us has more (spec minima in brackets).
-constexpr std::uint32_t kNeededStorageBuffers = 20;   // [4]; integrate binds 17
-constexpr std::uint32_t kNeededInvocations = 128;     // [128]
-constexpr std::uint32_t kNeededPushConstants = 128;   // [128]
-constexpr std::uint32_t kNeededSharedMemory = 16384;  // [16384]
-constexpr std::uint64_t kNeededBinding = 128u << 20;  // [2^27]
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
-DeviceType typeOf(vk::PhysicalDeviceType type) {
-  switch (type) {
-    case vk::PhysicalDeviceType::eDiscreteGpu:
-      return DeviceType::Discrete;
-    case vk::PhysicalDeviceType::eIntegratedGpu:
-      return DeviceType::Integrated;
-    case vk::PhysicalDeviceType::eVirtualGpu:
-      return DeviceType::Virtual;
-    case vk::PhysicalDeviceType::eCpu:
-      return DeviceType::Cpu;
-    default:
-      return DeviceType::Other;
-  }
-}
-
-std::string versionText(std::uint32_t version) {
-  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) +
-         "." + std::to_string(VK_API_VERSION_PATCH(version));
-}
-
-int computeQueueFamily(const vk::raii::PhysicalDevice& physical) {
-  const auto families = physical.getQueueFamilyProperties();
-  for (std::size_t i = 0; i < families.size(); ++i)
-    if (families[i].queueFlags & vk::QueueFlagBits::eCompute) return static_cast<int>(i);
-  return -1;
-}
-
-std::string whyUnusable(const vk::raii::PhysicalDevice& physical, std::uint32_t api_version,
-                        const DeviceLimits& limits) {
-  const auto below = [](const char* what, std::uint64_t has, std::uint64_t needs) {
-    return std::string(what) + " is " + std::to_string(has) + ", rosefusion needs " + std::to_string(needs);
-  };
-  if (api_version < VK_API_VERSION_1_1)
-    return "it offers Vulkan " + versionText(api_version) + ", rosefusion needs 1.1";
-  if (computeQueueFamily(physical) < 0) return "it has no compute queue";
-  if (limits.max_storage_buffers < kNeededStorageBuffers)
-    return below("maxPerStageDescriptorStorageBuffers", limits.max_storage_buffers, kNeededStorageBuffers);
-  if (limits.max_workgroup_invocations < kNeededInvocations)
-    return below("maxComputeWorkGroupInvocations", limits.max_workgroup_invocations, kNeededInvocations);
-  if (limits.max_push_constant_bytes < kNeededPushConstants)
-    return below("maxPushConstantsSize", limits.max_push_constant_bytes, kNeededPushConstants);
-  if (limits.max_shared_memory_bytes < kNeededSharedMemory)
-    return below("maxComputeSharedMemorySize", limits.max_shared_memory_bytes, kNeededSharedMemory);
-  if (limits.max_storage_buffer_bytes < kNeededBinding)
-    return below("maxStorageBufferRange", limits.max_storage_buffer_bytes, kNeededBinding);
-  return "";
-}
-
-/// Lowers what `limits` says to what `at_most` says, where that is not 0.
-void lower(DeviceLimits& limits, const DeviceLimits& at_most) {
-  const auto apply = [](auto& value, auto most) { value = most ? std::min(value, most) : value; };
-  apply(limits.max_storage_buffer_bytes, at_most.max_storage_buffer_bytes);
-  apply(limits.max_storage_buffers, at_most.max_storage_buffers);
-  apply(limits.max_workgroup_invocations, at_most.max_workgroup_invocations);
-  apply(limits.max_workgroup_count_x, at_most.max_workgroup_count_x);
-  apply(limits.max_push_constant_bytes, at_most.max_push_constant_bytes);
-  apply(limits.max_shared_memory_bytes, at_most.max_shared_memory_bytes);
-  apply(limits.memory_bytes, at_most.memory_bytes);
-  apply(limits.max_allocation_bytes, at_most.max_allocation_bytes);
-}
-
-DeviceInfo describe(const vk::raii::PhysicalDevice& physical, int index, const DeviceLimits& limits_at_most) {
-  DeviceInfo info;
-  info.index = index;
-  const auto basic = physical.getProperties();
-  info.name = basic.deviceName.data();
-  info.type = typeOf(basic.deviceType);
-  info.api_version = versionText(basic.apiVersion);
-  info.driver = "version " + std::to_string(basic.driverVersion);
-  DeviceLimits& limits = info.limits;
-  limits.max_storage_buffer_bytes = basic.limits.maxStorageBufferRange;
-  limits.max_storage_buffers =
-      std::min(basic.limits.maxPerStageDescriptorStorageBuffers, basic.limits.maxDescriptorSetStorageBuffers);
-  limits.max_workgroup_invocations = basic.limits.maxComputeWorkGroupInvocations;
-  limits.max_workgroup_count_x = basic.limits.maxComputeWorkGroupCount[0];
-  limits.max_push_constant_bytes = basic.limits.maxPushConstantsSize;
-  limits.max_shared_memory_bytes = basic.limits.maxComputeSharedMemorySize;
-  const auto memory = physical.getMemoryProperties();
-  for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i)
-    if (memory.memoryHeaps[i].flags & vk::MemoryHeapFlagBits::eDeviceLocal)
-      limits.memory_bytes = std::max<std::uint64_t>(limits.memory_bytes, memory.memoryHeaps[i].size);
-  if (basic.apiVersion >= VK_API_VERSION_1_1) {
-    const auto chain =
-        physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties,
-                                vk::PhysicalDeviceMaintenance3Properties>();
-    limits.subgroup_size = chain.get<vk::PhysicalDeviceSubgroupProperties>().subgroupSize;
-    limits.max_allocation_bytes =
-        chain.get<vk::PhysicalDeviceMaintenance3Properties>().maxMemoryAllocationSize;
-  }
-  if (basic.apiVersion >= VK_API_VERSION_1_2) {
-    const auto chain =
-        physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
-    const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
-    info.driver = std::string(driver.driverName.data()) + " " + driver.driverInfo.data();
-  }
-  lower(limits, limits_at_most);
-  info.rejected_because = whyUnusable(physical, basic.apiVersion, limits);
-  return info;
-}
-
-vk::raii::Context makeContext() {
-  try {
-    return vk::raii::Context();
-  } catch (const std::exception&) {
-    throw DeviceError(DeviceErrorCode::NoDriver,
-                      "No Vulkan loader found (libvulkan.so.1); install libvulkan1 and a driver, for example "
-                      "mesa-vulkan-drivers, which also runs without a GPU.");
-  }
+/// The system's Vulkan loader, opened anew; the last Impl that holds it closes it.
+std::unique_ptr<Device::Impl> openLoader() {
+  for (const char* name : {"libvulkan.so.1", "libvulkan.so", "libvulkan.1.dylib", "libMoltenVK.dylib"})
+    if (const std::shared_ptr<void> library{dlopen(name, RTLD_NOW | RTLD_LOCAL), [](void* opened) {
+                                              if (opened) dlclose(opened);
+                                            }})
+      if (void* entry = dlsym(library.get(), "vkGetInstanceProcAddr")) {
+        auto impl = std::make_unique<Device::Impl>(reinterpret_cast<PFN_vkGetInstanceProcAddr>(entry));
+        impl->loader = library;
+        return impl;
+      }
+  throw DeviceError(DeviceErrorCode::NoDriver,
+                    "No Vulkan loader found (libvulkan.so.1); install libvulkan1 and a driver, for example "
+                    "mesa-vulkan-drivers, which also runs without a GPU.");
 }
 
 vk::raii::Instance makeInstance(const vk::raii::Context& context, bool validation) {
@@ -174,6 +76,8 @@ std::vector<vk::raii::PhysicalDevice> physicalDevices(const vk::raii::Instance& 
 VKAPI_ATTR VkBool32 VKAPI_CALL keepMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
                                            VkDebugUtilsMessageTypeFlagsEXT,
                                            const VkDebugUtilsMessengerCallbackDataEXT* data, void* messages) {
+  static std::mutex mutex;  // layers speak on whatever thread they are called
+  const std::lock_guard lock(mutex);
   static_cast<std::vector<std::string>*>(messages)->push_back(data->pMessage);
   return VK_FALSE;
 }
@@ -213,11 +117,7 @@ std::size_t choose(const std::vector<DeviceInfo>& devices, const std::string& se
 vk::raii::Device makeDevice(const vk::raii::PhysicalDevice& physical, std::uint32_t family) {
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue({}, family, 1, &priority);
-  std::vector<const char*> extensions;
-  for (const auto& extension : physical.enumerateDeviceExtensionProperties())
-    if (std::strcmp(extension.extensionName, "VK_KHR_portability_subset") ==
-        0)  // must be enabled where present
-      extensions.push_back("VK_KHR_portability_subset");
+  const auto extensions = extensionsToEnable(physical);
   return {physical, vk::DeviceCreateInfo({}, queue, {}, extensions)};
 }
 
@@ -255,15 +155,33 @@ void throwDeviceError(const vk::SystemError& error, const std::string& doing) {
 }
 
 std::vector<DeviceInfo> listDevices(const DeviceLimits& limits_at_most) {
-  const auto context = makeContext();
-  const auto instance = makeInstance(context, false);
+  const auto impl = openLoader();
+  impl->instance = makeInstance(impl->context, false);
   std::vector<DeviceInfo> devices;
-  for (const auto& physical : physicalDevices(instance))
+  for (const auto& physical : physicalDevices(impl->instance))
     devices.push_back(describe(physical, static_cast<int>(devices.size()), limits_at_most));
   return devices;
 }
 
-Device::Device(const DeviceOptions& options) : impl_(new Impl{makeContext()}) {
+void Device::Impl::open(std::uint32_t family, vk::Queue caller_queue) {
+  memory = physical.getMemoryProperties();
+  queue_family = family;
+  queue = caller_queue ? vk::raii::Queue(device, caller_queue) : device.getQueue(family, 0);
+  if (pipeline_cache) return;
+  own_pipeline_cache = {device, vk::PipelineCacheCreateInfo(), allocator};
+  pipeline_cache = *own_pipeline_cache;
+}
+
+void Device::Impl::submit(const vk::SubmitInfo& work, vk::Fence fence) {
+  const std::lock_guard ours(queue_mutex);
+  if (lock_queue) lock_queue();
+  const std::shared_ptr<void> theirs(nullptr, [&](void*) {
+    if (unlock_queue) unlock_queue();
+  });
+  queue.submit(work, fence);
+}
+
+Device::Device(const DeviceOptions& options) : impl_(openLoader()) {
   Impl& d = *impl_;
   d.instance = makeInstance(d.context, options.validation);
   if (options.validation) {
@@ -284,22 +202,16 @@ Device::Device(const DeviceOptions& options) : impl_(new Impl{makeContext()}) {
       choose(infos, options.select.empty() && environment ? environment : options.select);
   d.physical = std::move(physicals[chosen]);
   d.info = infos[chosen];
-  d.memory = d.physical.getMemoryProperties();
   const auto family = static_cast<std::uint32_t>(computeQueueFamily(d.physical));
   try {
     d.device = makeDevice(d.physical, family);
-    d.queue = d.device.getQueue(family, 0);
-    d.command_pool = {d.device,
-                      vk::CommandPoolCreateInfo(vk::CommandPoolCreateFlagBits::eResetCommandBuffer, family)};
-    d.pipeline_cache = {d.device, vk::PipelineCacheCreateInfo()};
+    d.open(family, nullptr);
   } catch (const vk::SystemError& error) {
     throwDeviceError(error, "opening the device " + d.info.name);
   }
 }
 
-Device::~Device() {
-  if (impl_ && *impl_->device) impl_->device.waitIdle();
-}
+Device::~Device() = default;
 Device::Device(Device&&) noexcept = default;
 Device& Device::operator=(Device&&) noexcept = default;
 

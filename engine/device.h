@@ -23,7 +23,7 @@ struct DeviceLimits {
 };
 
 struct DeviceInfo {
-  int index = 0;  ///< position in the loader's list; usable as DeviceOptions::select
+  int index = 0;  ///< position in the loader's list, usable as DeviceOptions::select; -1: a caller's device
   std::string name;
   std::string driver;
   std::string api_version;
@@ -45,12 +45,17 @@ struct DeviceOptions {
   DeviceLimits limits_at_most;
 };
 
-/// An instance, a logical device and one compute queue. Owning and movable; several may live in one process.
-/// Calls on one Device (and on whatever was made from it) must come from one thread at a time; two Devices
-/// are independent.
+struct CallerDevice;  // engine/caller_device.h
+
+/// An instance, a logical device and one compute queue, its own or a caller's. Movable; several may live in
+/// one process and are independent. Buffers, kernels and recorders may be made and used on several threads,
+/// each of them on one at a time.
 class Device {
  public:
   explicit Device(const DeviceOptions& options = {});
+  /// On the caller's handles, none of which it owns. Throws DeviceError: Programming for null handles,
+  /// MissingLimit naming all that the device lacks.
+  explicit Device(const CallerDevice& caller);
   ~Device();
   Device(Device&&) noexcept;
   Device& operator=(Device&&) noexcept;
@@ -58,7 +63,8 @@ class Device {
   const DeviceInfo& info() const;
   /// Bytes of device memory held by this Device's buffers now.
   std::uint64_t allocatedBytes() const;
-  /// What the validation layer said so far (warnings and errors); tests fail when it is not empty.
+  /// What the validation layer said so far (warnings and errors); tests fail when it is not empty. On a
+  /// caller's device the caller hears it.
   const std::vector<std::string>& validationMessages() const;
 
   struct Impl;

@@ -45,22 +45,27 @@ Kernel::Kernel(Device& owner, const ShaderCode& code, std::uint32_t bindings, st
     std::vector<vk::DescriptorSetLayoutBinding> set;
     for (std::uint32_t i = 0; i < bindings; ++i)
       set.emplace_back(i, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute);
-    impl_->set_layout = {device.device, vk::DescriptorSetLayoutCreateInfo({}, set)};
+    impl_->set_layout = {device.device, vk::DescriptorSetLayoutCreateInfo({}, set), device.allocator};
     const vk::PushConstantRange push(vk::ShaderStageFlagBits::eCompute, 0, push_bytes);
     vk::PipelineLayoutCreateInfo layout({}, *impl_->set_layout);
     if (push_bytes > 0) layout.setPushConstantRanges(push);
-    impl_->pipeline_layout = {device.device, layout};
+    impl_->pipeline_layout = {device.device, layout, device.allocator};
 
     const vk::raii::ShaderModule module(
-        device.device, vk::ShaderModuleCreateInfo({}, code.words.size_bytes(), code.words.data()));
+        device.device, vk::ShaderModuleCreateInfo({}, code.words.size_bytes(), code.words.data()),
+        device.allocator);
     std::vector<vk::SpecializationMapEntry> entries;
     for (std::uint32_t i = 0; i < constants.size(); ++i) entries.emplace_back(i, 4 * i, 4);
     const vk::SpecializationInfo specialisation(static_cast<std::uint32_t>(entries.size()), entries.data(),
                                                 4 * constants.size(), constants.data());
     const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
                                                   &specialisation);
-    impl_->pipeline = {device.device, device.pipeline_cache,
-                       vk::ComputePipelineCreateInfo({}, stage, *impl_->pipeline_layout)};
+    // Not by the RAII class, which takes only a cache of its own kind.
+    const vk::ComputePipelineCreateInfo pipeline({}, stage, *impl_->pipeline_layout);
+    const auto made = (*device.device)
+                          .createComputePipeline(device.pipeline_cache, pipeline, device.allocator,
+                                                 *device.device.getDispatcher());
+    impl_->pipeline = {device.device, made.value, device.allocator};
   } catch (const vk::SystemError& error) {
     throwDeviceError(error, "building the shader " + impl_->name);
   }

@@ -20,16 +20,31 @@ void requireInside(const Buffer& buffer, std::uint64_t offset, std::uint64_t byt
 
 struct Recorder::Impl {
   Device::Impl& device;
-  vk::raii::CommandBuffer commands = nullptr;
+  vk::raii::CommandPool command_pool = nullptr;  // one each, so that recorders may work on several threads
+  vk::raii::CommandBuffer own_commands = nullptr;
+  vk::CommandBuffer commands;  // own_commands, or the caller's
   vk::raii::DescriptorPool pool = nullptr;
   vk::raii::Fence fence = nullptr;
   std::uint32_t sets_used = 0;  // freed with the pool's reset
   bool recording = false;
+  std::vector<Buffer> held;  // what the caller's command buffer uses
 
+  const vk::raii::DeviceDispatcher& vulkan() const { return *device.device.getDispatcher(); }
+  bool isCallers() const { return commands != *own_commands; }
   void begin() {
     if (recording) return;
-    commands.begin(vk::CommandBufferBeginInfo(vk::CommandBufferUsageFlagBits::eOneTimeSubmit));
+    if (!isCallers())
+      own_commands.begin(vk::CommandBufferBeginInfo(vk::CommandBufferUsageFlagBits::eOneTimeSubmit));
     recording = true;
+  }
+  void hold(std::initializer_list<const Buffer*> buffers) {
+    if (isCallers())
+      for (const Buffer* buffer : buffers) held.push_back(*buffer);
+  }
+  void letGo() {
+    pool.reset();
+    sets_used = 0;
+    held.clear();
   }
   void barrier() {
     using Stage = vk::PipelineStageFlagBits;
@@ -38,7 +53,8 @@ struct Recorder::Impl {
                                 Access::eShaderRead | Access::eShaderWrite | Access::eTransferRead |
                                     Access::eTransferWrite | Access::eHostRead);
     commands.pipelineBarrier(Stage::eComputeShader | Stage::eTransfer,
-                             Stage::eComputeShader | Stage::eTransfer | Stage::eHost, {}, all, {}, {});
+                             Stage::eComputeShader | Stage::eTransfer | Stage::eHost, {}, all, {}, {},
+                             vulkan());
   }
   void bind(const Kernel::Impl& kernel, std::span<const Buffer* const> buffers, const void* push,
             std::uint32_t push_bytes) {
@@ -56,34 +72,42 @@ struct Recorder::Impl {
     begin();
     const vk::DescriptorSetLayout layout = *kernel.set_layout;
     // Allocated unowned: the pool is reset as a whole after each submit.
-    const vk::DescriptorSet set = (*device.device)
-                                      .allocateDescriptorSets(vk::DescriptorSetAllocateInfo(*pool, layout),
-                                                              *device.device.getDispatcher())[0];
+    const vk::DescriptorSet set =
+        (*device.device).allocateDescriptorSets(vk::DescriptorSetAllocateInfo(*pool, layout), vulkan())[0];
     ++sets_used;
     std::vector<vk::DescriptorBufferInfo> infos;
     infos.reserve(buffers.size());
-    for (const Buffer* buffer : buffers) infos.emplace_back(*buffer->impl().buffer, 0, VK_WHOLE_SIZE);
+    for (const Buffer* buffer : buffers) {
+      infos.emplace_back(*buffer->impl().buffer, 0, VK_WHOLE_SIZE);
+      hold({buffer});
+    }
     std::vector<vk::WriteDescriptorSet> writes;
     for (std::uint32_t i = 0; i < infos.size(); ++i)
       writes.emplace_back(set, i, 0, 1, vk::DescriptorType::eStorageBuffer, nullptr, &infos[i]);
     device.device.updateDescriptorSets(writes, {});
-    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *kernel.pipeline);
-    commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *kernel.pipeline_layout, 0, set, {});
+    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *kernel.pipeline, vulkan());
+    commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *kernel.pipeline_layout, 0, set, {},
+                                vulkan());
     if (push_bytes > 0)
-      commands.pushConstants<std::uint8_t>(*kernel.pipeline_layout, vk::ShaderStageFlagBits::eCompute, 0,
-                                           {push_bytes, static_cast<const std::uint8_t*>(push)});
+      commands.pushConstants(*kernel.pipeline_layout, vk::ShaderStageFlagBits::eCompute, 0, push_bytes, push,
+                             vulkan());
   }
 };
 
 Recorder::Recorder(Device& owner) : impl_(new Impl{owner.impl()}) {
   Device::Impl& device = impl_->device;
   try {
-    impl_->commands = std::move(
-        vk::raii::CommandBuffers(device.device, {*device.command_pool, vk::CommandBufferLevel::ePrimary, 1})
+    impl_->command_pool = {
+        device.device,
+        vk::CommandPoolCreateInfo(vk::CommandPoolCreateFlagBits::eResetCommandBuffer, device.queue_family),
+        device.allocator};
+    impl_->own_commands = std::move(
+        vk::raii::CommandBuffers(device.device, {*impl_->command_pool, vk::CommandBufferLevel::ePrimary, 1})
             .front());
+    impl_->commands = *impl_->own_commands;
     const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, kDescriptorsPerSubmit);
-    impl_->pool = {device.device, vk::DescriptorPoolCreateInfo({}, kSetsPerSubmit, size)};
-    impl_->fence = {device.device, vk::FenceCreateInfo()};
+    impl_->pool = {device.device, vk::DescriptorPoolCreateInfo({}, kSetsPerSubmit, size), device.allocator};
+    impl_->fence = {device.device, vk::FenceCreateInfo(), device.allocator};
   } catch (const vk::SystemError& error) {
     throwDeviceError(error, "making a command buffer");
   }
@@ -97,7 +121,7 @@ void Recorder::dispatchBytes(const Kernel& kernel, std::span<const Buffer* const
   impl_->bind(kernel.impl(), buffers, push, push_bytes);
   const auto& group = kernel.impl().workgroup;
   impl_->commands.dispatch((threads.x + group[0] - 1) / group[0], (threads.y + group[1] - 1) / group[1],
-                           (threads.z + group[2] - 1) / group[2]);
+                           (threads.z + group[2] - 1) / group[2], impl_->vulkan());
   impl_->barrier();
 }
 
@@ -107,7 +131,7 @@ void Recorder::dispatchGroups(const Kernel& kernel, std::span<const Buffer* cons
   impl_->bind(kernel.impl(), buffers, push, push_bytes);
   const std::uint32_t widest = std::min(32768u, impl_->device.info.limits.max_workgroup_count_x);
   const std::uint32_t rows = (groups + widest - 1) / widest;
-  impl_->commands.dispatch(std::min(groups, widest), rows, 1);
+  impl_->commands.dispatch(std::min(groups, widest), rows, 1, impl_->vulkan());
   impl_->barrier();
 }
 
@@ -118,7 +142,23 @@ void Recorder::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, s
   requireInside(to, to_offset, bytes);
   impl_->begin();
   impl_->commands.copyBuffer(*from.impl().buffer, *to.impl().buffer,
-                             vk::BufferCopy(from_offset, to_offset, bytes));
+                             vk::BufferCopy(from_offset, to_offset, bytes), impl_->vulkan());
+  impl_->hold({&from, &to});
+  impl_->barrier();
+}
+
+void Recorder::copyToImage(const Buffer& from, VkImage_T* image, ImageAspect aspect, std::uint32_t width,
+                           std::uint32_t height, bool general) {
+  requireInside(from, 0, 4ull * width * height);
+  impl_->begin();
+  const vk::ImageSubresourceLayers layers(
+      aspect == ImageAspect::Colour ? vk::ImageAspectFlagBits::eColor : vk::ImageAspectFlagBits::eDepth, 0, 0,
+      1);
+  impl_->commands.copyBufferToImage(
+      *from.impl().buffer, vk::Image(image),
+      general ? vk::ImageLayout::eGeneral : vk::ImageLayout::eTransferDstOptimal,
+      vk::BufferImageCopy(0, 0, 0, layers, {}, {width, height, 1}), impl_->vulkan());
+  impl_->hold({&from});
   impl_->barrier();
 }
 
@@ -126,25 +166,35 @@ void Recorder::fill(const Buffer& buffer, std::uint32_t word, std::uint64_t offs
   if (bytes == 0) return;
   requireInside(buffer, offset, bytes);
   impl_->begin();
-  impl_->commands.fillBuffer(*buffer.impl().buffer, offset, bytes, word);
+  impl_->commands.fillBuffer(*buffer.impl().buffer, offset, bytes, word, impl_->vulkan());
+  impl_->hold({&buffer});
   impl_->barrier();
 }
 
+void Recorder::recordInto(VkCommandBuffer_T* commands) {
+  if (impl_->recording && !impl_->isCallers())
+    throw DeviceError(DeviceErrorCode::Programming, "What was recorded before must be submitted first.");
+  impl_->letGo();
+  impl_->recording = false;
+  impl_->commands = commands ? vk::CommandBuffer(commands) : *impl_->own_commands;
+}
+
 void Recorder::submit() {
+  if (impl_->isCallers())
+    throw DeviceError(DeviceErrorCode::Programming,
+                      "A caller's command buffer is submitted by the caller, not by the engine.");
   if (!impl_->recording) return;
   Device::Impl& device = impl_->device;
   try {
-    impl_->commands.end();
+    impl_->own_commands.end();
     impl_->recording = false;
-    const vk::CommandBuffer commands = *impl_->commands;
-    device.queue.submit(vk::SubmitInfo({}, {}, commands), *impl_->fence);
+    device.submit(vk::SubmitInfo({}, {}, impl_->commands), *impl_->fence);
     const auto result =
         device.device.waitForFences(*impl_->fence, true, std::numeric_limits<std::uint64_t>::max());
     if (result != vk::Result::eSuccess)
       throw DeviceError(DeviceErrorCode::DeviceLost, device.info.name + " did not finish its work.");
     device.device.resetFences(*impl_->fence);
-    impl_->pool.reset();
-    impl_->sets_used = 0;
+    impl_->letGo();
   } catch (const vk::SystemError& error) {
     throwDeviceError(error, "running compute work");
   }

@@ -8,6 +8,9 @@
 #include "engine/buffer.h"
 #include "engine/kernel.h"
 
+struct VkCommandBuffer_T;  // what Vulkan's handles point to
+struct VkImage_T;
+
 namespace rosefusion {
 
 /// Numbers of invocations (not workgroups); rounded up to whole workgroups, so shaders check their range.
@@ -17,8 +20,12 @@ struct Threads {
   std::uint32_t z = 1;
 };
 
-/// Commands run in order, each seeing all that the ones before wrote. Nothing runs before submit(). Movable;
-/// one thread. A pass object owns the buffers it fills, so record it once per submit.
+/// Which part of an image a copy writes.
+enum class ImageAspect { Colour, Depth };
+
+/// Commands run in order, each seeing all that the ones before wrote, and all that was submitted to the
+/// Device's queue before. Nothing runs before submit(), or before the caller submits its own command buffer.
+/// Movable; one thread. A pass object owns the buffers it fills, so record it once per submit.
 class Recorder {
  public:
   explicit Recorder(Device& device);
@@ -45,8 +52,21 @@ class Recorder {
   /// Offset and size in bytes, multiples of 4.
   void fill(const Buffer& buffer, std::uint32_t word, std::uint64_t offset, std::uint64_t bytes);
 
+  /// Fills `image`, of 4 bytes per texel in that aspect, from its upper left corner on; rows follow each
+  /// other without a gap. The image must be in VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL or _GENERAL, as `general`
+  /// says, and stays there; the write is a transfer write in the transfer stage, and no barrier for the image
+  /// is recorded on either side.
+  void copyToImage(const Buffer& from, VkImage_T* image, ImageAspect aspect, std::uint32_t width,
+                   std::uint32_t height, bool general = false);
+
   /// Runs what was recorded and waits for its end; mapped buffers then show the results. Throws DeviceError.
   void submit();
+
+  /// From now on commands go into `commands`, a primary command buffer that the caller has begun, outside of
+  /// a render pass, and submits itself to the Device's queue; submit() throws DeviceError (Programming). What
+  /// was recorded into an earlier one must have completed: its descriptor sets are let go, and the buffers
+  /// that it used, which are held until then. Null: let go, and record for submit() again.
+  void recordInto(VkCommandBuffer_T* commands);
 
  private:
   struct Impl;

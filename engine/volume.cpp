@@ -44,9 +44,9 @@ std::uint64_t entriesOf(glm::ivec3 size) {
 
 }  // namespace
 
-Volume::Volume(Device& device, const VolumeOptions& options)
-    : device_(device), options_(options), recorder_(device) {
+Volume::Volume(Device& device, const VolumeOptions& options) : device_(device), recorder_(device) {
   requireValid(options);
+  options_ = options;
   const DeviceLimits& limits = device.info().limits;
   memory_limit_bytes_ =
       options.memory_limit_bytes ? options.memory_limit_bytes : limits.memory_bytes / 10 * 8;
@@ -57,13 +57,13 @@ Volume::Volume(Device& device, const VolumeOptions& options)
   blocks_.push_back(glm::ivec4(0));
   table_mirror_.assign(entriesOf(table_size_), 0);
   table_ = Buffer(device, 4 * table_mirror_.size(), Memory::Device);
+  request_table_ = Buffer(device, table_.bytes(), Memory::Device);
   reserve(1);
-  uploadTable();
   uploadLayout();
 }
 
 std::uint64_t Volume::memoryBytes() const {
-  std::uint64_t bytes = table_.bytes() + block_buffer_.bytes() + layout_.bytes();
+  std::uint64_t bytes = 2 * table_.bytes() + block_buffer_.bytes() + layout_.bytes();
   for (const auto& kind : pools_)
     for (const Buffer& buffer : kind) bytes += buffer.bytes();
   return bytes;
@@ -91,6 +91,7 @@ void Volume::growChunk(std::uint32_t chunk, std::uint32_t size) {
   requireRoom(added);
   // All new buffers before any old one goes, so that running out of memory changes nothing.
   Buffer coordinates(device_, coordinate_bytes, Memory::Device);
+  Buffer table(device_, table_.bytes(), Memory::Device);  // the old one goes on naming slots of the old pools
   std::array<Buffer, 3> grown;
   for (int kind = 0; kind < kinds; ++kind)
     grown[kind] = Buffer(device_, size * kBlockBytes[kind], Memory::Device);
@@ -105,6 +106,8 @@ void Volume::growChunk(std::uint32_t chunk, std::uint32_t size) {
   block_buffer_ = std::move(coordinates);
   capacity_ = capacity;
   chunks_ = chunk + 1;
+  table_ = std::move(table);
+  uploadTable();
 }
 
 void Volume::reserve(std::uint32_t slots) {
@@ -146,6 +149,7 @@ void Volume::uploadTable() {
   Buffer& stage = staging(bytes);
   std::memcpy(stage.as<char>().data(), table_mirror_.data(), bytes);
   recorder_.copy(stage, table_, bytes);
+  recorder_.copy(stage, request_table_, bytes);
   recorder_.submit();
 }
 
@@ -171,15 +175,18 @@ void Volume::cover(glm::ivec3 min, glm::ivec3 max) {
   const glm::ivec3 size = high - low + 1;
   const std::uint64_t bytes = 4 * entriesOf(size);
   requireExtent(bytes <= device_.info().limits.max_storage_buffer_bytes);
-  requireRoom(bytes - std::min(bytes, table_.bytes()));
-  staging(bytes);  // like the table, before anything changes
-  Buffer table(device_, bytes, Memory::Device);
+  requireRoom(2 * (bytes - std::min(bytes, table_.bytes())));
+  staging(bytes);  // like the tables, before anything changes
+  Buffer table(device_, bytes, Memory::Device), request_table(device_, bytes, Memory::Device);
+  Buffer layout(device_, sizeof(VolumeLayout), Memory::Device);
   table_mirror_.assign(entriesOf(size), 0);
   for (std::uint32_t slot = 1; slot < blocks_.size(); ++slot) {
     const glm::ivec3 entry = glm::ivec3(blocks_[slot]) - low;
     table_mirror_[(std::size_t(entry.z) * size.y + entry.y) * size.x + entry.x] = slot;
   }
   table_ = std::move(table);
+  request_table_ = std::move(request_table);
+  layout_ = std::move(layout);
   table_origin_ = low;
   table_size_ = size;
   uploadTable();
@@ -205,6 +212,7 @@ void Volume::addBlocks(std::vector<std::uint32_t> entries) {
   recorder_.copy(stage, block_buffer_, sizeof(glm::ivec4) * entries.size(), 0,
                  sizeof(glm::ivec4) * first_slot);
   recorder_.submit();
+  block_count_ = static_cast<std::uint32_t>(blocks_.size()) - 1;
   uploadTable();
 }
 

@@ -32,17 +32,46 @@ struct VolumeContents {
       colour;  ///< red in the low byte, its own weight in the top one; empty without colour
 };
 
+/// The volume as the shaders that read it see it: what a pass binds. A copy keeps its buffers alive, and goes
+/// on reading the same blocks, with what is fused into them later, where the Volume itself has grown into new
+/// ones.
+class VolumeView {
+ public:
+  const VolumeOptions& options() const { return options_; }
+  std::uint32_t blockCount() const { return block_count_; }
+  /// Pool buffers in use: specialisation constant 0 of every kernel that includes lib/volume.glsl.
+  std::uint32_t chunks() const { return chunks_; }
+  const Buffer& layoutBuffer() const { return layout_; }
+  const Buffer& table() const { return table_; }
+  const Buffer& blockBuffer() const { return block_buffer_; }
+  /// Pool buffer `chunk` of kMaxPoolChunks; beyond those in use the first is repeated.
+  const Buffer& tsdf(std::uint32_t chunk) const { return pool(0, chunk); }
+  const Buffer& weight(std::uint32_t chunk) const { return pool(1, chunk); }
+  /// Without colour: the TSDF pool, which the shader then does not touch.
+  const Buffer& colour(std::uint32_t chunk) const { return pool(options_.colour ? 2 : 0, chunk); }
+
+ protected:
+  const Buffer& pool(int kind, std::uint32_t chunk) const {
+    return pools_[kind][chunk < chunks_ ? chunk : 0];
+  }
+
+  VolumeOptions options_;
+  std::uint32_t block_count_ = 0;
+  std::uint32_t chunks_ = 1;
+  Buffer layout_, table_, block_buffer_;
+  std::array<std::array<Buffer, shader::kMaxPoolChunks>, 3> pools_;  ///< [TSDF, weight, colour][chunk]
+};
+
 /// Grows on demand; nothing is ever evicted. Growing submits work of its own and waits: call it between
 /// frames. A failed growth (DeviceError OutOfMemory, naming the settings to change) leaves the volume as it
 /// was.
-class Volume {
+class Volume : public VolumeView {
  public:
   /// Throws DeviceError: Programming for options outside their range, OutOfMemory for a limit below the first
   /// pools.
   Volume(Device& device, const VolumeOptions& options);
 
-  const VolumeOptions& options() const { return options_; }
-  std::uint32_t blockCount() const { return static_cast<std::uint32_t>(blocks_.size()) - 1; }
+  const VolumeView& view() const { return *this; }
   /// Block coordinates by slot, slot 0 (the unobserved block) included.
   std::span<const glm::ivec4> blocks() const { return blocks_; }
   std::uint64_t memoryBytes() const;
@@ -57,22 +86,10 @@ class Volume {
   void visibleBlocks(const glm::mat4& camera_from_world, glm::vec4 focal_centre, glm::ivec4 size, float far,
                      std::vector<std::uint32_t>& slots) const;
   VolumeContents download();
-
-  /// Pool buffers in use: specialisation constant 0 of every kernel that includes lib/volume.glsl.
-  std::uint32_t chunks() const { return chunks_; }
-  const Buffer& layoutBuffer() const { return layout_; }
-  const Buffer& table() const { return table_; }
-  const Buffer& blockBuffer() const { return block_buffer_; }
-  /// Pool buffer `chunk` of kMaxPoolChunks; beyond those in use the first is repeated.
-  const Buffer& tsdf(std::uint32_t chunk) const { return pool(0, chunk); }
-  const Buffer& weight(std::uint32_t chunk) const { return pool(1, chunk); }
-  /// Without colour: the TSDF pool, which the shader then does not touch.
-  const Buffer& colour(std::uint32_t chunk) const { return pool(options_.colour ? 2 : 0, chunk); }
+  /// A second page table, in which AllocatePass may mark: others may read table() meanwhile.
+  const Buffer& requestTable() const { return request_table_; }
 
  private:
-  const Buffer& pool(int kind, std::uint32_t chunk) const {
-    return pools_[kind][chunk < chunks_ ? chunk : 0];
-  }
   void reserve(std::uint32_t slots);
   void growChunk(std::uint32_t chunk, std::uint32_t size);
   void uploadTable();
@@ -81,18 +98,15 @@ class Volume {
   Buffer& staging(std::uint64_t bytes);
 
   Device& device_;
-  VolumeOptions options_;
   Recorder recorder_;
   std::uint64_t memory_limit_bytes_ = 0;
   std::uint32_t chunk_shift_ = 0;  ///< log2 of the most blocks per pool buffer
-  std::uint32_t chunks_ = 1;
-  std::uint32_t capacity_ = 0;  ///< slots that fit into the pools now
+  std::uint32_t capacity_ = 0;     ///< slots that fit into the pools now
   glm::ivec3 table_origin_{0};
   glm::ivec3 table_size_{3};
   std::vector<std::uint32_t> table_mirror_;
   std::vector<glm::ivec4> blocks_;
-  Buffer layout_, table_, block_buffer_, staging_;
-  std::array<std::array<Buffer, shader::kMaxPoolChunks>, 3> pools_;  ///< [TSDF, weight, colour][chunk]
+  Buffer request_table_, staging_;
 };
 
 }  // namespace rosefusion

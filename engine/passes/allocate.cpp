@@ -36,7 +36,7 @@ void AllocatePass::record(Recorder& recorder, const Volume& volume, const Prepro
   params.size = glm::ivec4(camera.size.x, camera.size.y, kPixelStride,
                            1 + static_cast<int>(std::ceil(2 * params.band / step)));
   params.capacity = capacity_;
-  recorder.dispatch(kernel_, {&volume.layoutBuffer(), &volume.table(), &frame.depth(), &requests_}, params,
+  recorder.dispatch(kernel_, {&volume.layoutBuffer(), &volume.requestTable(), &frame.depth(), &requests_}, params,
                     {std::uint32_t(camera.size.x + kPixelStride - 1) / kPixelStride,
                      std::uint32_t(camera.size.y + kPixelStride - 1) / kPixelStride});
 }

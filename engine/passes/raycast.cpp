@@ -6,7 +6,7 @@ namespace rosefusion {
 
 using namespace shader;
 
-RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera)
+RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera, Memory picture)
     : device_(device),
       camera_(camera),
       tiles_x_((camera.size.x + kRaycastTile - 1) / kRaycastTile),
@@ -15,10 +15,11 @@ RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera)
   tiles_ = Buffer(device, sizeof(RaycastTile) * tiles_x_ * tiles_y_, Memory::Device);
   vertices_ = Buffer(device, 16 * pixels, Memory::Device);
   normals_ = Buffer(device, 16 * pixels, Memory::Device);
-  preview_ = Buffer(device, 4 * pixels, Memory::Readback);
+  preview_ = Buffer(device, 4 * pixels, picture);
+  depth_ = Buffer(device, 4 * pixels, Memory::Device);
 }
 
-void RaycastPass::record(Recorder& recorder, const Volume& volume, const RaycastView& view) {
+void RaycastPass::record(Recorder& recorder, const VolumeView& volume, const RaycastView& view) {
   Kernels& kernels = kernels_[volume.chunks()];
   if (!kernels.cast) {
     kernels.range = Kernel(device_, shaderCode("raycast_range"), kRaycastRangeBindings,
@@ -27,9 +28,10 @@ void RaycastPass::record(Recorder& recorder, const Volume& volume, const Raycast
         Kernel(device_, shaderCode("raycast"), kRaycastBindings, sizeof(RaycastParams), {volume.chunks()});
   }
   recordRange(recorder, kernels.range, volume, view);
-  const RaycastParams params{
-      view.world_from_camera, camera_.focal_centre,
-      glm::ivec4(camera_.size.x, camera_.size.y, view.colour && volume.options().colour, tiles_x_)};
+  const int flags =
+      (view.colour && volume.options().colour ? kRaycastColoured : 0) | (view.clear ? kRaycastClear : 0);
+  const RaycastParams params{view.world_from_camera, camera_.focal_centre,
+                             glm::ivec4(camera_.size.x, camera_.size.y, flags, tiles_x_), view.depth_value};
   const Buffer* buffers[kRaycastBindings] = {&volume.layoutBuffer(), &volume.table()};
   for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
     buffers[kRaycastBindTsdf + chunk] = &volume.tsdf(chunk);
@@ -41,11 +43,12 @@ void RaycastPass::record(Recorder& recorder, const Volume& volume, const Raycast
   buffers[kRaycastBindPreview] = &preview_;
   buffers[kRaycastBindTiles] = &tiles_;
   buffers[kRaycastBindSolid] = &solid_;
+  buffers[kRaycastBindDepth] = &depth_;
   recorder.dispatchBytes(kernels.cast, buffers, &params, sizeof(params),
                          {std::uint32_t(camera_.size.x), std::uint32_t(camera_.size.y)});
 }
 
-void RaycastPass::recordRange(Recorder& recorder, const Kernel& kernel, const Volume& volume,
+void RaycastPass::recordRange(Recorder& recorder, const Kernel& kernel, const VolumeView& volume,
                               const RaycastView& view) {
   if (solid_.bytes() < volume.table().bytes())
     solid_ = Buffer(device_, volume.table().bytes(), Memory::Device);

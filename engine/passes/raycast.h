@@ -16,24 +16,33 @@ struct RaycastView {
   float near = 0.05f;
   float far = 8.0f;
   bool colour = true;  ///< paint the preview in the volume's colours, where it has any
+  bool clear = false;  ///< transparent black where nothing is hit, instead of a backdrop
+  /// (a, b, c, d): the depth image holds a + b / z + c z for a hit at depth z, and d where there is none.
+  glm::vec4 depth_value{0, 0, 1, 0};
 };
 
 /// One camera for life. Holds the last view's images.
 class RaycastPass {
  public:
-  RaycastPass(Device& device, const shader::CameraIntrinsics& camera);
+  /// `picture`: where the preview lies; with Memory::Device preview() cannot read it.
+  RaycastPass(Device& device, const shader::CameraIntrinsics& camera, Memory picture = Memory::Readback);
 
-  void record(Recorder& recorder, const Volume& volume, const RaycastView& view);
+  void record(Recorder& recorder, const VolumeView& volume, const RaycastView& view);
 
   /// vec4 per pixel, world frame: the point hit, w = 1; all 0 where nothing was hit.
   const Buffer& vertices() const { return vertices_; }
   /// vec4 per pixel, world frame: unit length towards free space, w = 1; all 0 where nothing was hit.
   const Buffer& normals() const { return normals_; }
-  /// After the submit: one word 0xAABBGGRR per pixel (red in the low byte, alpha 255), sRGB.
+  /// float per pixel, see RaycastView::depth_value.
+  const Buffer& depth() const { return depth_; }
+  /// One word 0xAABBGGRR per pixel (red in the low byte, alpha 255 or 0), sRGB.
+  const Buffer& picture() const { return preview_; }
+  /// After the submit: the picture on the host.
   std::span<const std::uint32_t> preview() const { return preview_.as<std::uint32_t>(); }
 
  private:
-  void recordRange(Recorder& recorder, const Kernel& kernel, const Volume& volume, const RaycastView& view);
+  void recordRange(Recorder& recorder, const Kernel& kernel, const VolumeView& volume,
+                   const RaycastView& view);
 
   Device& device_;
   shader::CameraIntrinsics camera_;
@@ -42,7 +51,7 @@ class RaycastPass {
     Kernel range, cast;
   };
   std::map<std::uint32_t, Kernels> kernels_;  ///< by number of pool chunks
-  Buffer tiles_, solid_, vertices_, normals_, preview_;
+  Buffer tiles_, solid_, vertices_, normals_, preview_, depth_;
 };
 
 }  // namespace rosefusion

@@ -22,6 +22,7 @@ layout(std430, binding = kRaycastBindNormals) writeonly restrict buffer Normals 
 layout(std430, binding = kRaycastBindPreview) writeonly restrict buffer Preview { uint preview[]; };
 layout(std430, binding = kRaycastBindTiles) readonly restrict buffer Tiles { RaycastTile tiles[]; };
 layout(std430, binding = kRaycastBindSolid) readonly restrict buffer Solid { uint solid[]; };
+layout(std430, binding = kRaycastBindDepth) writeonly restrict buffer Depth { float depth[]; };
 
 const float kStepShare = 0.8;   // of the stored distance, which a slanted view makes too long
 const float kPastExit = 0.01;   // voxels behind a skipped block's face, against rounding
@@ -127,7 +128,7 @@ Hit firstHit(Ray ray, float begin, float end) {
 vec3 colourAt(vec3 position) {
   vec3 corner = floor(position - 0.5), fraction = position - 0.5 - corner, sum = vec3(0.0);
   float total = 0.0;
-  int corners = params.size.z != 0 ? 8 : 0;
+  int corners = (params.size.z & kRaycastColoured) != 0 ? 8 : 0;
   for (int i = 0; i < corners; ++i) {
     ivec3 offset = ivec3(i) >> ivec3(0, 1, 2) & 1, voxel = ivec3(corner) + offset;
     uint slot = slotAt(voxel >> 3);
@@ -155,15 +156,20 @@ void main() {
   Hit hit = firstHit(ray, max(span.x, depths.x * voxels_per_depth), min(span.y, depths.y * voxels_per_depth));
 
   vec4 vertex = vec4(0.0), normal = vec4(0.0);
-  vec3 shaded = backgroundColour(float(pixel.y) / float(params.size.y));
+  bool clear = (params.size.z & kRaycastClear) != 0;
+  vec4 shaded = clear ? vec4(0.0) : vec4(backgroundColour(float(pixel.y) / float(params.size.y)), 1.0);
+  float value = params.depth_value.w;
   if (hit.t > 0.0) {
     vec3 position = at(ray, hit.t);
     vertex = vec4((position + vec3(volume.table_origin.xyz * kBlockSide)) * volume.scale.x, 1.0);
     normal = vec4(normalize(hit.gradient), 1.0);
-    shaded = shadedColour(colourAt(position), normal.xyz, ray.direction);
+    shaded = vec4(shadedColour(colourAt(position), normal.xyz, ray.direction), 1.0);
+    float z = hit.t / voxels_per_depth;
+    value = params.depth_value.x + params.depth_value.y / z + params.depth_value.z * z;
   }
   uint index = uint(pixel.y * params.size.x + pixel.x);
   vertices[index] = vertex;
   normals[index] = normal;
-  preview[index] = packUnorm4x8(vec4(shaded, 1.0));
+  preview[index] = packUnorm4x8(shaded);
+  depth[index] = value;
 }

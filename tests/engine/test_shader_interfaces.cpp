@@ -65,7 +65,7 @@ const std::map<std::string, ShaderStruct>& structsInCpp() {
              MEMBER(SelectParams, size), MEMBER(SelectParams, grid)),
       STRUCT(SumCheckParams, MEMBER(SumCheckParams, first), MEMBER(SumCheckParams, count)),
       STRUCT(RaycastParams, MEMBER(RaycastParams, world_from_camera), MEMBER(RaycastParams, focal_centre),
-             MEMBER(RaycastParams, size)),
+             MEMBER(RaycastParams, size), MEMBER(RaycastParams, depth_value)),
       STRUCT(RaycastRangeParams, MEMBER(RaycastRangeParams, camera_from_world),
              MEMBER(RaycastRangeParams, focal_centre), MEMBER(RaycastRangeParams, size),
              MEMBER(RaycastRangeParams, near), MEMBER(RaycastRangeParams, far)),

@@ -19,12 +19,18 @@ const uint kRaycastBindNormals =
 const uint kRaycastBindPreview = 16u;  // one word per pixel: red in the low byte, alpha 255
 const uint kRaycastBindTiles = 17u;    // RaycastTile of pass raycast_range
 const uint kRaycastBindSolid = 18u;    // its table of the blocks that can stop a ray
-const uint kRaycastBindings = 19u;
+const uint kRaycastBindDepth = 19u;    // float per pixel, see RaycastParams.depth_value
+const uint kRaycastBindings = 20u;
+
+const int kRaycastColoured = 1;  // the surface takes its colour from the volume
+const int kRaycastClear = 2;     // the preview is 0 where nothing was hit, instead of a backdrop
 
 struct RaycastParams {
   mat4 world_from_camera;
   vec4 focal_centre;
-  ivec4 size;  // width, height, 1 to take the surface colour from the volume, tiles along x
+  ivec4 size;        // width, height, sum of the flags above, tiles along x
+  vec4 depth_value;  // (a, b, c, d): a + b / z + c z for a hit at depth z along the axis, metres; d without a
+                     // hit
 };
 
 #ifdef __cplusplus

@@ -1,0 +1,147 @@
+#include "engine/physical_device.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "engine/error.h"
+
+namespace rosefusion {
+namespace {
+
+constexpr const char* kPortabilitySubset = "VK_KHR_portability_subset";
+
+DeviceType typeOf(vk::PhysicalDeviceType type) {
+  switch (type) {
+    case vk::PhysicalDeviceType::eDiscreteGpu:
+      return DeviceType::Discrete;
+    case vk::PhysicalDeviceType::eIntegratedGpu:
+      return DeviceType::Integrated;
+    case vk::PhysicalDeviceType::eVirtualGpu:
+      return DeviceType::Virtual;
+    case vk::PhysicalDeviceType::eCpu:
+      return DeviceType::Cpu;
+    default:
+      return DeviceType::Other;
+  }
+}
+
+/// Lowers what `limits` says to what `at_most` says, where that is not 0.
+void lower(DeviceLimits& limits, const DeviceLimits& at_most) {
+  const auto apply = [](auto& value, auto most) { value = most ? std::min(value, most) : value; };
+  apply(limits.max_storage_buffer_bytes, at_most.max_storage_buffer_bytes);
+  apply(limits.max_storage_buffers, at_most.max_storage_buffers);
+  apply(limits.max_workgroup_invocations, at_most.max_workgroup_invocations);
+  apply(limits.max_workgroup_count_x, at_most.max_workgroup_count_x);
+  apply(limits.max_push_constant_bytes, at_most.max_push_constant_bytes);
+  apply(limits.max_shared_memory_bytes, at_most.max_shared_memory_bytes);
+  apply(limits.memory_bytes, at_most.memory_bytes);
+  apply(limits.max_allocation_bytes, at_most.max_allocation_bytes);
+}
+
+bool offers(const vk::raii::PhysicalDevice& physical, const char* extension) {
+  const auto all = physical.enumerateDeviceExtensionProperties();
+  return std::any_of(all.begin(), all.end(),
+                     [&](const auto& e) { return std::strcmp(e.extensionName, extension) == 0; });
+}
+
+}  // namespace
+
+DeviceRequirements deviceRequirements() {
+  DeviceRequirements needs;
+  needs.extensions_where_offered = {kPortabilitySubset};
+  // Every desktop and mobile driver known to us has more (spec minima in brackets).
+  needs.limits.max_storage_buffers = 20;               // [4]; raycast binds 20
+  needs.limits.max_workgroup_invocations = 128;        // [128]
+  needs.limits.max_push_constant_bytes = 128;          // [128]
+  needs.limits.max_shared_memory_bytes = 16384;        // [16384]
+  needs.limits.max_storage_buffer_bytes = 128u << 20;  // [2^27]
+  return needs;
+}
+
+std::string versionText(std::uint32_t version) {
+  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) +
+         "." + std::to_string(VK_API_VERSION_PATCH(version));
+}
+
+std::string joined(std::span<const std::string> clauses) {
+  std::string text;
+  for (const std::string& clause : clauses) text += (text.empty() ? "" : "; ") + clause;
+  return text;
+}
+
+int computeQueueFamily(const vk::raii::PhysicalDevice& physical) {
+  const vk::QueueFlags needed(deviceRequirements().queue_flags);
+  const auto families = physical.getQueueFamilyProperties();
+  for (std::size_t i = 0; i < families.size(); ++i)
+    if ((families[i].queueFlags & needed) == needed) return static_cast<int>(i);
+  return -1;
+}
+
+std::vector<const char*> extensionsToEnable(const vk::raii::PhysicalDevice& physical) {
+  std::vector<const char*> names = deviceRequirements().extensions_where_offered;
+  std::erase_if(names, [&](const char* name) { return !offers(physical, name); });
+  return names;
+}
+
+std::vector<std::string> missingOf(const vk::raii::PhysicalDevice& physical, const DeviceLimits& has) {
+  const DeviceRequirements needs = deviceRequirements();
+  const std::uint32_t version = physical.getProperties().apiVersion;
+  std::vector<std::string> missing;
+  if (version < needs.api_version)
+    missing.push_back("it offers Vulkan " + versionText(version) + ", rosefusion needs " +
+                      versionText(needs.api_version));
+  if (computeQueueFamily(physical) < 0) missing.push_back("it has no compute queue");
+  const auto compare = [&](const char* what, std::uint64_t have, std::uint64_t need) {
+    if (have < need)
+      missing.push_back(std::string(what) + " is " + std::to_string(have) + ", rosefusion needs " +
+                        std::to_string(need));
+  };
+  compare("maxPerStageDescriptorStorageBuffers", has.max_storage_buffers, needs.limits.max_storage_buffers);
+  compare("maxComputeWorkGroupInvocations", has.max_workgroup_invocations,
+          needs.limits.max_workgroup_invocations);
+  compare("maxPushConstantsSize", has.max_push_constant_bytes, needs.limits.max_push_constant_bytes);
+  compare("maxComputeSharedMemorySize", has.max_shared_memory_bytes, needs.limits.max_shared_memory_bytes);
+  compare("maxStorageBufferRange", has.max_storage_buffer_bytes, needs.limits.max_storage_buffer_bytes);
+  return missing;
+}
+
+DeviceInfo describe(const vk::raii::PhysicalDevice& physical, int index, const DeviceLimits& limits_at_most) {
+  DeviceInfo info;
+  info.index = index;
+  const auto basic = physical.getProperties();
+  info.name = basic.deviceName.data();
+  info.type = typeOf(basic.deviceType);
+  info.api_version = versionText(basic.apiVersion);
+  info.driver = "version " + std::to_string(basic.driverVersion);
+  DeviceLimits& limits = info.limits;
+  limits.max_storage_buffer_bytes = basic.limits.maxStorageBufferRange;
+  limits.max_storage_buffers =
+      std::min(basic.limits.maxPerStageDescriptorStorageBuffers, basic.limits.maxDescriptorSetStorageBuffers);
+  limits.max_workgroup_invocations = basic.limits.maxComputeWorkGroupInvocations;
+  limits.max_workgroup_count_x = basic.limits.maxComputeWorkGroupCount[0];
+  limits.max_push_constant_bytes = basic.limits.maxPushConstantsSize;
+  limits.max_shared_memory_bytes = basic.limits.maxComputeSharedMemorySize;
+  const auto memory = physical.getMemoryProperties();
+  for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i)
+    if (memory.memoryHeaps[i].flags & vk::MemoryHeapFlagBits::eDeviceLocal)
+      limits.memory_bytes = std::max<std::uint64_t>(limits.memory_bytes, memory.memoryHeaps[i].size);
+  if (basic.apiVersion >= VK_API_VERSION_1_1) {
+    const auto chain =
+        physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties,
+                                vk::PhysicalDeviceMaintenance3Properties>();
+    limits.subgroup_size = chain.get<vk::PhysicalDeviceSubgroupProperties>().subgroupSize;
+    limits.max_allocation_bytes =
+        chain.get<vk::PhysicalDeviceMaintenance3Properties>().maxMemoryAllocationSize;
+  }
+  if (basic.apiVersion >= VK_API_VERSION_1_2) {
+    const auto chain =
+        physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
+    const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
+    info.driver = std::string(driver.driverName.data()) + " " + driver.driverInfo.data();
+  }
+  lower(limits, limits_at_most);
+  info.rejected_because = joined(missingOf(physical, limits));
+  return info;
+}
+
+}  // namespace rosefusion
