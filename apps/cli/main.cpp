@@ -25,6 +25,8 @@ int runCommandLine(int argc, char** argv) {
   addPstCommand(app);
   addDevicesCommand(app);
   addBenchCommand(app);
+  addSendCommand(app);
+  addKeysCommand(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
