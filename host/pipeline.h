@@ -45,6 +45,12 @@ class Pipeline {
   /// whole.
   FrameResult processFrame(const Frame& frame);
 
+  /// For displays: called for every iteration of the swarm, from within processFrame().
+  void watchSwarm(SwarmWatcher watcher) { tracker_.watchSwarm(std::move(watcher)); }
+  /// Takes over what may change between frames: the limits of tracked, uncertain and lost, and the mesh's
+  /// settings (isLiveSetting()). Throws InputError for settings that do not go together.
+  void changeLive(const Settings& settings);
+
   Device& device() { return device_; }
   Volume& volume() { return volume_; }
   const Settings& settings() const { return settings_; }

@@ -130,6 +130,12 @@ std::string fieldText(const Settings& settings, const SettingsField& field) {
   return text.str();
 }
 
+bool isLiveSetting(std::string_view key) {
+  return key == "tracking.min_valid_share" || key == "tracking.uncertain_overlap" ||
+         key == "tracking.uncertain_residual" || key == "tracking.lost_residual" ||
+         key == "tracking.relocalised_share" || key.starts_with("mesh.");
+}
+
 void applyAssignment(Settings& settings, const std::string& assignment) {
   const auto equals = assignment.find('=');
   if (equals == std::string::npos)

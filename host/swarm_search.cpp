@@ -73,6 +73,7 @@ SwarmResult SwarmSearch::search(const PreprocessPass& frame, const Volume& volum
         {toShader(state.centre), shaderLengths(state.axis_lengths, 0), shaderLengths(state.axis_lengths, 3),
          level_offsets_[state.level] + number * particles, particles});
     result.lookups += std::uint64_t(particles) * select_.selected();
+    if (watcher_) watcher_(state, swarm_template, fitness_.losses());
     result.steps.push_back(
         update(settings_.swarm, state, swarm_template, fitness_.losses(), fitness_.counted()));
   }
