@@ -61,6 +61,11 @@ class Viewer {
   PanelState& state() { return state_; }
   bool isProvisional() const { return scene_.isProvisional(); }
   Phase phase() const { return snapshot_.phase; }
+  std::string title() const {
+    if (snapshot_.source.empty()) return "rosefusion";
+    return std::string("rosefusion - ") + toString(snapshot_.phase) + " - " +
+           std::to_string(snapshot_.frames) + " frames - " + snapshot_.source;
+  }
   std::size_t frames() const { return snapshot_.frames; }
 
   /// One frame of the panels; what is beneath them is recorded by the function it gives to `show`.
@@ -167,11 +172,16 @@ void runWindow(const Options& o) {
       if (!presenter.fit(viewer.canvas())) continue;
       const auto start = Clock::now();
       ImGui_ImplGlfw_NewFrame();
+      const std::vector<int> pressed = window.takePressed();
+      for (const int key : pressed) ImGui::GetIO().KeysDown[key] = true;
       const double seconds = std::min(0.1, millisecondsSince(last) / 1000);
       last = start;
       const Requests requests = viewer.frame(
           seconds, false, [&](const auto& beneath) { presenter.present(viewer.canvas(), beneath); });
       viewer.state().draw_milliseconds = millisecondsSince(start);
+      window.setTitle(viewer.title());
+      for (const int key : pressed)
+        ImGui::GetIO().KeysDown[key] = glfwGetKey(window.handle(), key) == GLFW_PRESS;
       if (viewer.phase() == Phase::Playing) times.push_back(viewer.state().draw_milliseconds);
       for (const std::string& dropped : window.takeDropped()) {
         viewer.state().path = dropped;

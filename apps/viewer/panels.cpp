@@ -123,14 +123,14 @@ void drawSpeeds(const Snapshot& s, const PanelState& state) {
 }
 
 /// The particles of one iteration from above the swarm's first two axes, and its ellipsoid.
-void drawParticles(const SwarmIteration& iteration, double reach) {
+void drawParticles(const SwarmIteration& iteration) {
   const float side = 150;
   const ImVec2 corner = ImGui::GetCursorScreenPos();
   ImGui::Dummy({side, side});
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->AddRectFilled(corner, {corner.x + side, corner.y + side}, IM_COL32(14, 15, 18, 255), 3);
   const ImVec2 centre{corner.x + side / 2, corner.y + side / 2};
-  const double scale = 0.48 * side / reach;
+  const double scale = 0.46 * side / std::max({iteration.shift.x(), iteration.shift.y(), 1e-9});
   float best = 1, worst = 0;
   for (const auto& p : iteration.shown) {
     best = std::min(best, p.loss);
@@ -166,15 +166,11 @@ void drawSwarm(const Snapshot& s, PanelState& state) {
     return;
   }
   const int count = static_cast<int>(swarm.size());
-  double reach = 1e-6;
   std::vector<float> likelihood;
-  for (const SwarmIteration& i : swarm) {
-    reach = std::max({reach, i.shift.x(), i.shift.y()});
-    likelihood.push_back(static_cast<float>(i.likelihood));
-  }
+  for (const SwarmIteration& i : swarm) likelihood.push_back(static_cast<float>(i.likelihood));
   const int shown = state.iteration < 0 ? count - 1 : std::min(state.iteration, count - 1);
   const SwarmIteration& iteration = swarm[static_cast<std::size_t>(shown)];
-  drawParticles(iteration, reach);
+  drawParticles(iteration);
   ImGui::SameLine();
   ImGui::BeginGroup();
   ImGui::Text("%d particles", iteration.particles);
@@ -182,7 +178,8 @@ void drawSwarm(const Snapshot& s, PanelState& state) {
               100 * iteration.shift.z());
   ImGui::Text("turn %.3f", iteration.turn.maxCoeff());
   ImGui::TextDisabled("likelihood");
-  ImGui::PlotLines("##likelihood", likelihood.data(), count, 0, nullptr, FLT_MAX, FLT_MAX, {-1, 42});
+  ImGui::PlotLines("##likelihood", likelihood.data(), count, 0, nullptr, 0, 1,
+                   {ImGui::GetContentRegionAvail().x, 42});
   int chosen = shown + 1;
   ImGui::SetNextItemWidth(-1);
   if (ImGui::SliderInt("##iteration", &chosen, 1, count, "iteration %d"))
@@ -201,6 +198,7 @@ void drawMemory(const Snapshot& s) {
 void drawSetting(const SettingsField& field, Settings settings, Session& session) {
   const std::string id = "##" + field.key, name = field.key.substr(field.key.find('.') + 1);
   const bool live = isLiveSetting(field.key);
+  ImGui::AlignTextToFramePadding();
   ImGui::TextColored(live ? kGood : ImGui::GetStyleColorVec4(ImGuiCol_Text), "%s", name.c_str());
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("%s%s%s\n%s", field.help.c_str(),
@@ -239,7 +237,6 @@ void drawSettings(const Rectangle& area, const Snapshot& s, Session& session, Pa
   if (s.settings_wait) {
     if (ImGui::Button("Reset now, to use the new settings", {-1, 0})) session.reset();
   }
-  ImGui::BeginChild("rows");
   std::string group;
   for (const SettingsField& field : settingsTable()) {
     if (field.key.find(state.settings_filter) == std::string::npos) continue;
@@ -248,7 +245,6 @@ void drawSettings(const Rectangle& area, const Snapshot& s, Session& session, Pa
     group = its_group;
     drawSetting(field, s.settings, session);
   }
-  ImGui::EndChild();
   ImGui::End();
 }
 
@@ -296,7 +292,7 @@ void drawButtons(const Snapshot& s, Session& session, PanelState& state, Request
   if (ImGui::Button("Screenshot (P)", {half, 0})) requests.screenshot = true;
   ImGui::SameLine();
   if (ImGui::Button("Settings (G)", {half, 0})) state.settings_open = state.focus_filter = true;
-  ImGui::TextDisabled("Space play/pause, N step, R reset, 1 2 3 views, Q quit");
+  ImGui::TextDisabled("Space play, N step, R reset, 1 2 3 views, Ctrl+Q quit");
 }
 
 /// One key, one command, unless a text field has the keyboard.
@@ -309,7 +305,7 @@ void heedKeys(const Snapshot& s, Session& session, ViewCamera& view, PanelState&
   if (pressed('M')) save("mesh", session, state, s);
   if (pressed('T')) save("trajectory", session, state, s);
   if (pressed('P')) requests.screenshot = true;
-  if (pressed('Q')) requests.quit = true;
+  if (pressed('Q') && ImGui::GetIO().KeyCtrl) requests.quit = true;
   if (pressed('G')) {
     state.settings_open = !state.settings_open;
     state.focus_filter = state.settings_open;

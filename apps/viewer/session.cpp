@@ -43,6 +43,11 @@ SwarmIteration iterationOf(const SwarmState& state, const SwarmTemplate& swarm_t
 
 }  // namespace
 
+const char* toString(Phase phase) {
+  constexpr const char* kWords[] = {"empty", "opening", "paused", "playing", "finished", "failed"};
+  return kWords[static_cast<int>(phase)];
+}
+
 Session::Session(Device& device, const Settings& settings, const SourceOptions& source_options)
     : device_(device), source_options_(source_options), settings_(settings) {
   shown_.settings = settings;

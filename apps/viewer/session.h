@@ -14,6 +14,7 @@
 namespace rosefusion::viewer {
 
 enum class Phase { Empty, Opening, Paused, Playing, Finished, Failed };
+const char* toString(Phase phase);
 
 /// One iteration of the swarm: its extent, and some of its particles.
 struct SwarmIteration {

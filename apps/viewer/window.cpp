@@ -29,6 +29,10 @@ Window::Window(int width, int height) {
     auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
     self->dropped_.insert(self->dropped_.end(), paths, paths + count);
   });
+  glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
+    if (action == GLFW_PRESS && key >= 0)
+      static_cast<Window*>(glfwGetWindowUserPointer(window))->pressed_.push_back(key);
+  });
 }
 
 Window::~Window() {
@@ -51,8 +55,17 @@ VkSurfaceKHR Window::makeSurface(VkInstance instance) const {
   return surface;
 }
 
+void Window::setTitle(const std::string& title) {
+  if (title != title_) glfwSetWindowTitle(window_, title.c_str());
+  title_ = title;
+}
+
 std::vector<std::string> Window::takeDropped() {
   return std::exchange(dropped_, {});
+}
+
+std::vector<int> Window::takePressed() {
+  return std::exchange(pressed_, {});
 }
 
 Presenter::Presenter(Gpu& gpu, const Window& window) : gpu_(gpu), window_(window) {

@@ -23,12 +23,19 @@ class Window {
   VkSurfaceKHR makeSurface(VkInstance instance) const;
   GLFWwindow* handle() const { return window_; }
   bool wantsToClose() const { return glfwWindowShouldClose(window_) != 0; }
+  /// What the window is called; nothing happens where it is called that already.
+  void setTitle(const std::string& title);
   /// Folders and files that were dragged in since the last call.
   std::vector<std::string> takeDropped();
+  /// Keys that went down since the last call, also those that are up again: a frame may take longer than a
+  /// tap.
+  std::vector<int> takePressed();
 
  private:
   GLFWwindow* window_ = nullptr;
   std::vector<std::string> dropped_;
+  std::vector<int> pressed_;
+  std::string title_;
 };
 
 /// The window's images, made again whenever its size changes. One thread.
