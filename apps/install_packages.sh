@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the Debian or Ubuntu packages that rosefusion needs and that are missing. With --tests: also those of the
-# tests. ROSEFUSION_NO_INSTALL=1 skips all of it, for systems where the libraries come from elsewhere.
+# tests; with --live: those of the viewer, of cameras and of network streams. ROSEFUSION_NO_INSTALL=1 skips all of it, for systems where the libraries come from elsewhere.
 set -euo pipefail
 
 fail() {
@@ -15,11 +15,13 @@ packages=(
   libembree-dev libassimp-dev libcli11-dev libspdlog-dev nlohmann-json3-dev libyaml-cpp-dev libnanoflann-dev
   gnuplot-nox
 )
+live=(libzmq3-dev cppzmq-dev libzstd-dev libopenni2-dev libglfw3-dev libimgui-dev fonts-dejavu-core)
 case "${1:-}" in
   "") ;;
-  --tests) packages+=(git vulkan-validationlayers libgtest-dev libgmock-dev
+  --live) packages+=("${live[@]}") ;;
+  --tests) packages+=("${live[@]}" git vulkan-validationlayers libgtest-dev libgmock-dev xvfb xdotool
     pybind11-dev python3-dev python3-numpy) ;;
-  *) fail "there is no option '$1'; known is --tests." ;;
+  *) fail "there is no option '$1'; known are --live and --tests." ;;
 esac
 
 if [[ "${ROSEFUSION_NO_INSTALL:-0}" == 1 ]]; then

@@ -102,6 +102,14 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
       fuser_(makeFuser()),
       tracker_(device, settings, intrinsics, templatesFor(settings)) {}
 
+void Pipeline::changeLive(const Settings& settings) {
+  Settings changed = settings_;
+  for (const SettingsField& field : settingsTable())
+    if (isLiveSetting(field.key)) setField(changed, field.key, fieldText(settings, field), "a live change");
+  requireConsistent(changed);
+  settings_ = changed;
+}
+
 FrameResult Pipeline::processFrame(const Frame& frame) {
   FrameResult result;
   result.timestamp = frame.timestamp;

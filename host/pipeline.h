@@ -48,6 +48,12 @@ class Pipeline {
   void accept(const Pose& world_from_camera, double timestamp);
   FrameFuser makeFuser() { return {device_, settings_, intrinsics_, depth_units_per_metre_}; }
 
+  /// For displays: called for every iteration of the swarm, from within processFrame().
+  void watchSwarm(SwarmWatcher watcher) { tracker_.watchSwarm(std::move(watcher)); }
+  /// Takes over what may change between frames: the limits of tracked, uncertain and lost, and the mesh's
+  /// settings (isLiveSetting()). Throws InputError for settings that do not go together.
+  void changeLive(const Settings& settings);
+
   Device& device() { return device_; }
   Volume& volume() { return volume_; }
   const Settings& settings() const { return settings_; }

@@ -134,6 +134,12 @@ std::string fieldText(const Settings& settings, std::string_view key, const std:
   return fieldText(settings, findField(key, source));
 }
 
+bool isLiveSetting(std::string_view key) {
+  return key == "tracking.min_valid_share" || key == "tracking.uncertain_overlap" ||
+         key == "tracking.uncertain_residual" || key == "tracking.lost_residual" ||
+         key == "tracking.relocalised_share" || key.starts_with("mesh.");
+}
+
 void applyAssignment(Settings& settings, const std::string& assignment) {
   const auto equals = assignment.find('=');
   if (equals == std::string::npos)

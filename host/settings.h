@@ -117,6 +117,8 @@ const std::vector<SettingsField>& settingsTable();
 /// Sets one field from text. Throws InputError naming the key (with the nearest known key for an unknown
 /// one), what is allowed, and `source`, the file or option it came from.
 void setField(Settings& settings, std::string_view key, const std::string& value, const std::string& source);
+/// Whether a running pipeline can take the setting over; the others take effect when it is made.
+bool isLiveSetting(std::string_view key);
 std::string fieldText(const Settings& settings, const SettingsField& field);
 /// The same by its key. Throws InputError as setField().
 std::string fieldText(const Settings& settings, std::string_view key, const std::string& source);

@@ -21,6 +21,7 @@ class Tracker {
   /// Tells that the last track() found no pose: from now on the whole model is searched.
   void lose();
   bool isLost() const { return lost_; }
+  void watchSwarm(SwarmWatcher watcher) { search_.watch(std::move(watcher)); }
   /// Fit of the frame at a pose, over the overlap with the last accepted frame; every 8th pixel.
   PoseScore score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera) {
     return search_.score(frame, volume, world_from_camera, last_);

@@ -14,6 +14,8 @@ void addEvalCommand(CLI::App& app);
 void addEvalMeshCommand(CLI::App& app);
 void addBenchCommand(CLI::App& app);
 void addExperimentCommand(CLI::App& app);
+void addSendCommand(CLI::App& app);
+void addKeysCommand(CLI::App& app);
 
 /// Writes `json` (already dumped text) to `file`, or to standard output when file is "-". No-op when empty.
 void writeJson(const std::string& file, const std::string& json);

@@ -28,6 +28,8 @@ int runCommandLine(int argc, char** argv) {
 #ifdef ROSEFUSION_EXPERIMENTS
   addExperimentCommand(app);
 #endif
+  addSendCommand(app);
+  addKeysCommand(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

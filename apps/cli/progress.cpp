@@ -16,6 +16,7 @@ void Progress::update(std::size_t done, std::size_t total, const std::string& no
   const auto now = Clock::now();
   const double seconds = std::chrono::duration<double>(now - start_).count();
   const double rate = seconds > 0 ? done / seconds : 0;
+  if (total == 0) return updateEndless(done, rate, note);
   const auto left = static_cast<long>(rate > 0 ? (total - done) / rate + 0.5 : 0);
   const char* separator = note.empty() ? "" : "  ";
   if (terminal_) {
@@ -35,6 +36,17 @@ void Progress::update(std::size_t done, std::size_t total, const std::string& no
   last_tenth_ = tenth;
   std::fprintf(stderr, "%zu/%zu %s  %.1f/s  ETA %ld:%02ld%s%s\n", done, total, unit_.c_str(), rate, left / 60,
                left % 60, separator, note.c_str());
+}
+
+void Progress::updateEndless(std::size_t done, double rate, const std::string& note) {
+  const auto now = Clock::now();
+  constexpr std::chrono::milliseconds kOnTerminal(100), kInLog(10000);
+  if (now - last_drawn_ < (terminal_ ? kOnTerminal : kInLog)) return;
+  last_drawn_ = now;
+  drawn_ = terminal_;
+  std::fprintf(stderr, "%s%zu %s  %.1f/s  %s%s", terminal_ ? "\r\033[K" : "", done, unit_.c_str(), rate,
+               note.c_str(), terminal_ ? "" : "\n");
+  std::fflush(stderr);
 }
 
 }  // namespace rosefusion::cli

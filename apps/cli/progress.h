@@ -14,10 +14,12 @@ class Progress {
   explicit Progress(std::string unit);
   ~Progress();  ///< ends the bar's line
 
-  /// `note`: a few words shown behind, such as the tracking status.
+  /// `total` 0: not known. `note`: a few words shown behind, such as the tracking status.
   void update(std::size_t done, std::size_t total, const std::string& note = "");
 
  private:
+  void updateEndless(std::size_t done, double rate, const std::string& note);
+
   using Clock = std::chrono::steady_clock;
   std::string unit_;
   bool terminal_;

@@ -7,6 +7,7 @@
 #include "apps/cli/exit_code.h"
 #include "apps/cli/interrupt.h"
 #include "apps/cli/progress.h"
+#include "apps/cli/source_options.h"
 #include "host/error.h"
 #include "host/file_io.h"
 #include "host/run/output.h"
@@ -16,15 +17,12 @@ namespace rosefusion::cli {
 namespace {
 
 struct Options {
-  std::string sequence;
+  SourceArguments source;
   std::string out;
   std::string config = "default";
   std::vector<std::string> assignments;
   std::string device;
   std::string json;
-  std::vector<double> intrinsics;
-  double depth_scale = 0;
-  RunOptions run;
   bool validation = false;
 };
 
@@ -37,7 +35,8 @@ Settings settingsFor(const Options& o) {
 
 std::string outputFolder(const Options& o) {
   if (!o.out.empty()) return o.out;
-  std::filesystem::path sequence = std::filesystem::absolute(o.sequence).lexically_normal();
+  if (isLiveSource(o.source.source)) return "out/live";
+  std::filesystem::path sequence = std::filesystem::absolute(o.source.source).lexically_normal();
   if (!sequence.has_filename()) sequence = sequence.parent_path();
   return (std::filesystem::path("out") / sequence.stem()).string();
 }
@@ -47,6 +46,8 @@ void printSummary(const RunSummary& summary, const SequenceInfo& info, const std
               summary.frames.size(), summary.seconds, summary.count(TrackingStatus::Tracked),
               summary.count(TrackingStatus::Uncertain), summary.count(TrackingStatus::Relocalised),
               summary.count(TrackingStatus::Lost), summary.skipped());
+  if (const std::size_t dropped = summary.dropped())
+    std::printf("%zu more frames came while the tracker was busy, and were dropped.\n", dropped);
   for (const RunFrame& f : summary.frames)
     if (!f.skipped && f.result.status == TrackingStatus::Lost) {
       std::printf("First lost at frame %zu: %s.\n", f.index, f.result.reason.c_str());
@@ -63,23 +64,17 @@ void printSummary(const RunSummary& summary, const SequenceInfo& info, const std
 
 void run(const Options& o) {
   const Settings settings = settingsFor(o);
-  SequenceOptions sequence_options;
-  sequence_options.colour = settings.volume.colour;
-  if (!o.intrinsics.empty())
-    sequence_options.intrinsics =
-        Intrinsics{0, 0, o.intrinsics[0], o.intrinsics[1], o.intrinsics[2], o.intrinsics[3]};
-  if (o.depth_scale > 0) sequence_options.depth_units_per_metre = o.depth_scale;
-  const auto sequence = openSequence(o.sequence, sequence_options);
-  const SequenceInfo& info = sequence->info();
-  for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
-  if (info.intrinsics_assumed)
-    spdlog::warn("The intrinsics are assumed ({}); give them with --intrinsics if the result is bent.",
-                 info.intrinsics_source);
+  const bool live = isLiveSource(o.source.source);
+  if (live) catchInterrupts();  // before a recording begins, Ctrl-C just ends the program
+  const auto source = openSource(o.source, settings.volume.colour);
+  if (!source) throw ExitCode(kExitInterrupted);
+  const SequenceInfo& info = source->info();
 
   const std::string out = outputFolder(o);
   OutputFolder folder(out);
   Device device({o.device, o.validation});
-  spdlog::info("{}: {} frames, {}; on {}", info.path.string(), info.frames, info.format, device.info().name);
+  const std::string count = info.frames ? std::to_string(info.frames) + " frames, " : "";
+  spdlog::info("{}: {}{}; on {}", info.path.string(), count, info.format, device.info().name);
   Pipeline pipeline(device, settings, info.intrinsics, info.depth_units_per_metre);
 
   catchInterrupts();
@@ -89,11 +84,11 @@ void run(const Options& o) {
     const auto show = [&](const RunProgress& p) {
       progress.update(p.done, p.total, p.last->skipped ? "skipped" : toString(p.last->result.status));
     };
-    summary = reconstruct(*sequence, pipeline, o.run, show, interrupted);
+    summary = reconstruct(*source, pipeline, o.source.selection.max_frames, show, interrupted);
   }
   if (pipeline.volume().blockCount() == 0)
     throw InputError(
-        o.sequence +
+        o.source.source +
         ": no frame could be used, so there is nothing to write; look at it with 'rosefusion check'.");
   spdlog::info("writing {}", out);
   folder.write(summary, info, pipeline);
@@ -115,33 +110,27 @@ void run(const Options& o) {
 
 void addRunCommand(CLI::App& app) {
   auto o = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("run", "Reconstruct a depth sequence: trajectory, mesh, preview picture and report");
+  CLI::App* command = app.add_subcommand(
+      "run", "Reconstruct a depth sequence, camera or stream: trajectory, mesh, preview picture and report");
+  o->source.addTo(*command);
+  command->get_option("SOURCE")->description(command->get_option("SOURCE")->get_description() +
+                                             ", or network stream (tcp://*:PORT)");
   command
-      ->add_option("SEQUENCE", o->sequence,
-                   "Folder (TUM RGB-D, ETH3D, ICL-NUIM, 7-Scenes, Replica, FastCaMo, PNGs with "
-                   "sequence.yaml) or .seq file")
-      ->required();
+      ->add_option("--silence-limit", o->source.stream.silence_limit,
+                   "End a network stream that is silent for so many seconds; 0: wait for the sender")
+      ->check(CLI::NonNegativeNumber);
   command->add_option("--out", o->out, "Output folder (default: out/NAME)");
   command->add_option("--config", o->config, "Preset (default, paper) or YAML file")->capture_default_str();
   command->add_option("--set", o->assignments, "Change one setting: key=value; may be repeated")
       ->allow_extra_args(false);
   command->add_option("--device", o->device, "Device by index, name or type (see 'rosefusion devices')");
-  command->add_option("--stride", o->run.stride, "Take every K-th frame")->check(CLI::Range(1, 1000000));
-  command->add_option("--max-frames", o->run.max_frames, "Stop after N frames; 0: all");
-  command->add_option("--intrinsics", o->intrinsics, "fx,fy,cx,cy in pixels, instead of the sequence's own")
-      ->delimiter(',')
-      ->expected(4);
-  command
-      ->add_option("--depth-units-per-metre,--depth-scale", o->depth_scale,
-                   "Depth units per metre, instead of the sequence's own")
-      ->check(CLI::PositiveNumber);
   command->add_option("--json", o->json, "Also write the report here; '-': standard output");
   command->add_flag("--validation", o->validation, "Run with the Vulkan validation layer (slow)");
   command->footer(
       "Examples:\n"
       "  rosefusion run rgbd_dataset_freiburg1_desk --out out/desk\n"
       "  rosefusion run my_room --config paper --stride 2 --set volume.voxel_size=0.01\n"
+      "  rosefusion run 'tcp://*:5555' --out out/live        # what 'rosefusion send' sends\n"
       "Exit codes: 0 finished, 2 bad input, 3 device, 130 interrupted (the files are complete).");
   command->callback([o] { run(*o); });
 }

@@ -103,10 +103,11 @@ class Suite {
                                        const RunOptions& run) const {
     const SequenceInfo& info = sequence.info();
     Pipeline pipeline(device_, options_.settings, info.intrinsics, info.depth_units_per_metre);
-    const RunSummary summary = reconstruct(sequence, pipeline, run, {}, stop_);
+    SequenceSource source(sequence, run);
+    const RunSummary summary = reconstruct(source, pipeline, 0, {}, stop_);
     if (summary.end == RunEnd::Interrupted) return std::nullopt;
     if (summary.end == RunEnd::DeviceFull) spdlog::warn("{}: {}", name, summary.end_reason);
-    return judge(name, summary, info, selectedFrames(sequence.size(), run).size(), pipeline);
+    return judge(name, summary, info, source.expectedFrames(), pipeline);
   }
 
   Device& device_;

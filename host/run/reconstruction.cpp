@@ -4,26 +4,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <future>
+#include <numeric>
 
 #include "engine/error.h"
 
 namespace rosefusion {
-namespace {
-
-struct ReadFrame {
-  Frame frame;
-  std::string problem;
-  bool usable = false;
-};
-
-ReadFrame readFrame(Sequence& sequence, std::size_t index) {
-  ReadFrame out;
-  out.usable = sequence.read(index, out.frame, out.problem);
-  return out;
-}
-
-}  // namespace
 
 std::size_t RunSummary::count(TrackingStatus status) const {
   return static_cast<std::size_t>(std::count_if(frames.begin(), frames.end(), [&](const RunFrame& f) {
@@ -36,44 +21,32 @@ std::size_t RunSummary::skipped() const {
       std::count_if(frames.begin(), frames.end(), [](const RunFrame& f) { return f.skipped; }));
 }
 
-std::vector<std::size_t> selectedFrames(std::size_t size, const RunOptions& options) {
-  std::vector<std::size_t> indices;
-  for (std::size_t i = 0; i < size; i += std::max<std::size_t>(1, options.stride)) {
-    if (options.max_frames && indices.size() == options.max_frames) break;
-    indices.push_back(i);
-  }
-  return indices;
+std::size_t RunSummary::dropped() const {
+  return std::accumulate(frames.begin(), frames.end(), std::size_t{0},
+                         [](std::size_t sum, const RunFrame& f) { return sum + f.dropped; });
 }
 
-RunSummary reconstruct(Sequence& sequence, Pipeline& pipeline, const RunOptions& options,
-                       const std::function<void(const RunProgress&)>& progress,
-                       const std::function<bool()>& stop) {
-  const std::vector<std::size_t> indices = selectedFrames(sequence.size(), options);
+RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_frames,
+                       const std::function<void(const RunProgress&)>& progress, const StopQuestion& stop) {
   const auto start = std::chrono::steady_clock::now();
+  const std::size_t expected = source.expectedFrames();
+  const std::size_t total = max_frames && (!expected || max_frames < expected) ? max_frames : expected;
   RunSummary summary;
-  std::future<ReadFrame> ahead;
-  const auto readAhead = [&](std::size_t position) {
-    if (position < indices.size())
-      ahead = std::async(std::launch::async,
-                         [&sequence, index = indices[position]] { return readFrame(sequence, index); });
-  };
-  readAhead(0);
-  for (std::size_t position = 0; position < indices.size(); ++position) {
-    if (stop && stop()) {
-      summary.end = RunEnd::Interrupted;
-      break;
-    }
-    const ReadFrame read = ahead.get();
-    readAhead(position + 1);
+  while (!max_frames || summary.frames.size() < max_frames) {
+    SourceFrame read;
+    const SourceState state = source.next(read, stop);
+    if (state == SourceState::Stopped) summary.end = RunEnd::Interrupted;
+    if (state != SourceState::Frame) break;
     RunFrame frame;
-    frame.index = indices[position];
+    frame.index = read.index;
+    frame.dropped = read.dropped;
     frame.skipped = !read.usable;
     if (!read.problem.empty()) spdlog::warn("{}", read.problem);
     try {
       if (read.usable) {
         frame.result = pipeline.processFrame(read.frame);
       } else {
-        frame.result.timestamp = sequence.timestamp(frame.index);
+        frame.result.timestamp = read.frame.timestamp;
         frame.result.reason = read.problem;
       }
     } catch (const DeviceError& error) {
@@ -83,9 +56,8 @@ RunSummary reconstruct(Sequence& sequence, Pipeline& pipeline, const RunOptions&
       break;
     }
     summary.frames.push_back(std::move(frame));
-    if (progress) progress({position + 1, indices.size(), &summary.frames.back()});
+    if (progress) progress({summary.frames.size(), total, &summary.frames.back()});
   }
-  if (ahead.valid()) ahead.wait();
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return summary;
 }

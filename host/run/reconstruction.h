@@ -4,26 +4,22 @@
 #include <string>
 #include <vector>
 
-#include "host/datasets/sequence.h"
 #include "host/pipeline.h"
+#include "host/sources/sequence_source.h"
 
 namespace rosefusion {
 
-struct RunOptions {
-  std::size_t stride = 1;      ///< take every stride-th frame
-  std::size_t max_frames = 0;  ///< after the stride; 0: all
-};
-
 /// A frame of the sequence that was processed, or skipped because its file was unusable.
 struct RunFrame {
-  std::size_t index = 0;  ///< in the sequence
+  std::size_t index = 0;    ///< in the sequence
+  std::size_t dropped = 0;  ///< frames before it that a live source could not wait with
   bool skipped = false;
   FrameResult result;  ///< when skipped: only the timestamp and the reason
 };
 
 struct RunProgress {
   std::size_t done = 0;
-  std::size_t total = 0;
+  std::size_t total = 0;  ///< 0: not known
   const RunFrame* last = nullptr;
 };
 
@@ -37,17 +33,16 @@ struct RunSummary {
 
   std::size_t count(TrackingStatus status) const;
   std::size_t skipped() const;
+  /// Frames that came from a live source, or at recorded speed, while the tracker was busy.
+  std::size_t dropped() const;
 };
 
-/// The indices that a run takes from a sequence of `size` frames.
-std::vector<std::size_t> selectedFrames(std::size_t size, const RunOptions& options);
-
-/// Processes the selected frames in order, reading one ahead on another thread. `progress` is called after
-/// each frame; `stop` is asked before each, and true ends the run early. A device that is full ends it too
-/// (RunEnd::DeviceFull) with everything fused so far intact.
-RunSummary reconstruct(Sequence& sequence, Pipeline& pipeline, const RunOptions& options,
+/// Processes the source's frames until its end, or `max_frames` of them (0: all). `progress` is called after
+/// each frame; `stop` is asked before each and while the source waits, and true ends the run early. A device
+/// that is full ends it too (RunEnd::DeviceFull) with everything fused so far intact.
+RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_frames = 0,
                        const std::function<void(const RunProgress&)>& progress = {},
-                       const std::function<bool()>& stop = {});
+                       const StopQuestion& stop = {});
 
 /// Poses of the frames that were not lost.
 Trajectory trajectoryOf(const RunSummary& summary);

@@ -70,6 +70,7 @@ Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& p
   report["relocalised"] = summary.count(TrackingStatus::Relocalised);
   report["lost"] = summary.count(TrackingStatus::Lost);
   report["skipped"] = summary.skipped();
+  report["dropped"] = summary.dropped();
   report["seconds"] = summary.seconds;
   report["milliseconds"] = {{"total", milliseconds(&StageMilliseconds::total, false)},
                             {"preprocess", milliseconds(&StageMilliseconds::preprocess, false)},

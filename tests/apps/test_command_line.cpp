@@ -32,7 +32,7 @@ Outcome program(const std::string& arguments, const std::string& environment = "
 
 TEST(CommandLine, EverySubcommandHasHelpWithAnExample) {
   for (const char* name :
-       {"run", "check", "eval", "eval-mesh", "synth", "pst", "devices", "bench", "experiment"}) {
+       {"run", "check", "eval", "eval-mesh", "synth", "pst", "devices", "bench", "experiment", "send"}) {
     const Outcome help = program(std::string(name) + " --help");
     EXPECT_EQ(help.code, 0) << name;
     EXPECT_THAT(help.text, HasSubstr("xample")) << name;
@@ -47,21 +47,28 @@ TEST(CommandLine, BadInputEndsInOneSentenceThatNamesIt) {
     std::string named;
   };
   const std::string empty = folder.path().string();
-  for (const Case& c :
-       {Case{"run /nowhere/at/all", "/nowhere/at/all"}, Case{"run " + empty, empty},
-        Case{"run " + empty + " --set volume.size=3", "volume.size"},
-        Case{"run " + empty + " --config nosuch.yaml", "nosuch.yaml"}, Case{"check " + empty, empty},
-        Case{"eval /nowhere/a /nowhere/b", "/nowhere/"},
-        Case{"eval-mesh /nowhere/a.ply /nowhere/b.ply", "/nowhere/a.ply"},
-        Case{"pst --inspect /nowhere/p.bin", "/nowhere/p.bin"},
-        Case{"bench --suite tracking --meshes /nowhere/meshes", "/nowhere/meshes"},
-        Case{"bench --suite tracking --meshes " + empty, empty},
-        Case{"bench --suite tracking --sequence /nowhere/s", "/nowhere/s"},
-        Case{"bench --suite tracking --rooms 0", "--rooms"},
-        Case{"bench --suite tracking --repeat 3", "--repeat"}, Case{"bench --rooms 3", "--rooms"},
-        Case{"bench --suite tracking --max-speed 90", "--max-speed"},
-        Case{"synth " + empty + "/s --noise loud", "--noise"},
-        Case{"experiment nosuch --out " + empty, "nosuch"}}) {
+  for (const Case& c : {Case{"run /nowhere/at/all", "/nowhere/at/all"},
+                        Case{"run " + empty, empty},
+                        Case{"run " + empty + " --set volume.size=3", "volume.size"},
+                        Case{"run " + empty + " --config nosuch.yaml", "nosuch.yaml"},
+                        Case{"check " + empty, empty},
+                        Case{"eval /nowhere/a /nowhere/b", "/nowhere/"},
+                        Case{"eval-mesh /nowhere/a.ply /nowhere/b.ply", "/nowhere/a.ply"},
+                        Case{"pst --inspect /nowhere/p.bin", "/nowhere/p.bin"},
+                        Case{"bench --suite tracking --meshes /nowhere/meshes", "/nowhere/meshes"},
+                        Case{"bench --suite tracking --meshes " + empty, empty},
+                        Case{"bench --suite tracking --sequence /nowhere/s", "/nowhere/s"},
+                        Case{"bench --suite tracking --rooms 0", "--rooms"},
+                        Case{"bench --suite tracking --repeat 3", "--repeat"},
+                        Case{"bench --rooms 3", "--rooms"},
+                        Case{"bench --suite tracking --max-speed 90", "--max-speed"},
+                        Case{"synth " + empty + "/s --noise loud", "--noise"},
+                        Case{"run openni2:/nowhere/file.oni", "openni2"},
+                        Case{"send " + empty + " nowhere:1", "nowhere:1"},
+                        Case{"send " + empty + " tcp://localhost:5555", empty},
+                        Case{"run tcp://127.0.0.1:5555 --stride 2", "--stride"},
+                        Case{"experiment nosuch --out " + empty, "nosuch"},
+                        Case{"run tcp://127.0.0.1:5555 --secret-key /nowhere/k", "--peer-key"}}) {
     const Outcome outcome = program(c.arguments);
     EXPECT_EQ(outcome.code, kExitBadInput) << c.arguments << "\n" << outcome.text;
     EXPECT_THAT(outcome.text, HasSubstr(c.named)) << c.arguments;

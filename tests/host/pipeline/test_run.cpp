@@ -43,7 +43,8 @@ class RunTest : public ValidatingDevice {
                       sequence->info().depth_units_per_metre);
     int frames = 0;
     const auto count = [&](const RunProgress&) { ++frames; };
-    Result result{reconstruct(*sequence, pipeline, options, count, [&] { return frames == stop_after; }), {}};
+    SequenceSource source(*sequence, options);
+    Result result{reconstruct(source, pipeline, 0, count, [&] { return frames == stop_after; }), {}};
     folder.write(result.summary, sequence->info(), pipeline);
     std::ifstream(out / "report.json") >> result.report;
     return result;

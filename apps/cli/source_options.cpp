@@ -1,0 +1,57 @@
+#include "apps/cli/source_options.h"
+
+#include <spdlog/spdlog.h>
+
+#include "apps/cli/interrupt.h"
+
+namespace rosefusion::cli {
+
+void SourceArguments::addTo(CLI::App& command) {
+  command
+      .add_option(
+          "SOURCE", source,
+          "Folder (TUM RGB-D, ETH3D, ICL-NUIM, 7-Scenes, Replica, FastCaMo, PNGs with sequence.yaml), .seq "
+          "file, or camera (openni2:, realsense:, k4a:)")
+      ->required();
+  command.add_flag(
+      "--realtime", realtime,
+      "Take a recording at the speed it was made with, and drop what comes too fast, as of a camera");
+  command.add_option("--stride", selection.stride, "Take every K-th frame")->check(CLI::Range(1, 1000000));
+  command.add_option("--max-frames", selection.max_frames, "Stop after N frames; 0: all");
+  command.add_option("--intrinsics", intrinsics, "fx,fy,cx,cy in pixels, instead of the source's own")
+      ->delimiter(',')
+      ->expected(4);
+  command
+      .add_option("--depth-units-per-metre,--depth-scale", depth_scale,
+                  "Depth units per metre, instead of the sequence's own")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--secret-key", stream.secret_key,
+                     "Encrypt the network stream: this side's file from 'rosefusion keys'");
+  command.add_option("--peer-key", stream.peer_keys,
+                     "The other side's public key; for 'run' one a line, and only those may send");
+}
+
+SourceOptions SourceArguments::options(bool colour) const {
+  SourceOptions out;
+  out.sequence.colour = colour;
+  if (!intrinsics.empty())
+    out.sequence.intrinsics = Intrinsics{0, 0, intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]};
+  if (depth_scale > 0) out.sequence.depth_units_per_metre = depth_scale;
+  out.selection = selection;
+  out.pace = realtime ? Pace::Recorded : Pace::AsTaken;
+  out.stream = stream;
+  return out;
+}
+
+std::unique_ptr<FrameSource> openSource(const SourceArguments& arguments, bool colour) {
+  auto source = rosefusion::openSource(arguments.source, arguments.options(colour), interrupted);
+  if (!source) return source;
+  const SequenceInfo& info = source->info();
+  for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
+  if (info.intrinsics_assumed)
+    spdlog::warn("The intrinsics are assumed ({}); give them with --intrinsics if the result is bent.",
+                 info.intrinsics_source);
+  return source;
+}
+
+}  // namespace rosefusion::cli

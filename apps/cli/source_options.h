@@ -1,0 +1,28 @@
+// The options by which run and send are told where frames come from.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "host/sources/open_source.h"
+
+namespace rosefusion::cli {
+
+struct SourceArguments {
+  std::string source;
+  std::vector<double> intrinsics;  ///< fx fy cx cy, or empty
+  double depth_scale = 0;
+  bool realtime = false;
+  RunOptions selection;
+  StreamOptions stream;
+
+  /// Adds the positional SOURCE and the options.
+  void addTo(CLI::App& command);
+  /// `colour`: whether colour images are wanted.
+  SourceOptions options(bool colour) const;
+};
+
+/// Opens it, with warnings about what was assumed. Null when interrupted while waiting.
+std::unique_ptr<FrameSource> openSource(const SourceArguments& arguments, bool colour);
+
+}  // namespace rosefusion::cli

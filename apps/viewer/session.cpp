@@ -1,0 +1,317 @@
+#include "apps/viewer/session.h"
+
+#include <chrono>
+#include <opencv2/imgproc.hpp>
+
+#include "engine/error.h"
+#include "host/error.h"
+#include "host/export/mesh_io.h"
+#include "host/run/mesh_extraction.h"
+
+namespace rosefusion::viewer {
+namespace {
+
+constexpr double kNearest = 0.4, kFarthest = 6;  // metres: the ends of the depth image's colours
+constexpr std::size_t kShownParticles = 300;     // of each iteration
+
+/// Near is red, far is blue; no depth is black.
+cv::Mat colouredDepth(const cv::Mat& depth, double units_per_metre) {
+  cv::Mat small, bytes, bgr, rgba;
+  cv::resize(depth, small, {}, 0.5, 0.5, cv::INTER_NEAREST);
+  const double scale = 255 / ((kFarthest - kNearest) * units_per_metre);
+  small.convertTo(bytes, CV_8U, -scale, 255 + kNearest * units_per_metre * scale);
+  cv::applyColorMap(bytes, bgr, cv::COLORMAP_TURBO);
+  bgr.setTo(cv::Scalar(0, 0, 0), (small == 0) | (small == 65535));
+  cv::cvtColor(bgr, rgba, cv::COLOR_BGR2RGBA);
+  return rgba;
+}
+
+SwarmIteration iterationOf(const SwarmState& state, const SwarmTemplate& swarm_template,
+                           std::span<const float> losses) {
+  SwarmIteration out;
+  out.likelihood = state.best_likelihood;
+  out.shift = state.axis_lengths.head<3>();
+  out.turn = state.axis_lengths.tail<3>();
+  out.particles = static_cast<int>(losses.size());
+  const std::size_t every = std::max<std::size_t>(1, losses.size() / kShownParticles);
+  for (std::size_t i = 0; i < losses.size(); i += every) {
+    const Particle& p = swarm_template.particles[i];
+    if (losses[i] >= 0) out.shown.push_back({{p[0], p[1], p[2]}, losses[i]});
+  }
+  return out;
+}
+
+}  // namespace
+
+const char* toString(Phase phase) {
+  constexpr const char* kWords[] = {"empty", "opening", "paused", "playing", "finished", "failed"};
+  return kWords[static_cast<int>(phase)];
+}
+
+Session::Session(Device& device, const Settings& settings, const SourceOptions& source_options)
+    : device_(device), source_options_(source_options), settings_(settings) {
+  shown_.settings = settings;
+  shown_.message = "Open a sequence: type its folder, or drag it into the window.";
+  shown_.path = std::make_shared<std::vector<PathPoint>>();
+  shown_.swarm = std::make_shared<std::vector<SwarmIteration>>();
+  thread_ = std::thread([this] { work(); });
+}
+
+Session::~Session() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+template <typename Change>
+void Session::update(Change change) {
+  const std::lock_guard lock(mutex_);
+  change(shown_);
+}
+
+void Session::say(const std::string& message, bool problem) {
+  update([&](Snapshot& s) {
+    s.message = message;
+    s.problem = problem;
+  });
+}
+
+Snapshot Session::snapshot() const {
+  const std::lock_guard lock(mutex_);
+  return shown_;
+}
+
+void Session::command(Command command) {
+  {
+    const std::lock_guard lock(mutex_);
+    commands_.push_back(std::move(command));
+  }
+  changed_.notify_all();
+}
+
+void Session::waitUntilIdle() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return commands_.empty() && !busy_ && !playing_; });
+}
+
+void Session::work() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return stopping_ || playing_ || !commands_.empty(); });
+    if (stopping_) return;
+    Command next = [this] { nextFrame(); };
+    if (!commands_.empty()) {
+      next = std::move(commands_.front());
+      commands_.pop_front();
+    }
+    busy_ = true;
+    lock.unlock();
+    carryOut(next);
+    lock.lock();
+    busy_ = false;
+    changed_.notify_all();
+  }
+}
+
+void Session::carryOut(const Command& command) {
+  try {
+    command();
+  } catch (const DeviceError& error) {
+    finish(error.code() == DeviceErrorCode::OutOfMemory ? Phase::Finished : Phase::Failed, error.what(),
+           true);
+  } catch (const std::exception& error) {
+    // A model that is there stays: only a source that could not be opened leaves nothing to show.
+    if (pipeline_)
+      say(error.what(), true);
+    else
+      finish(Phase::Failed, error.what(), true);
+  }
+}
+
+void Session::finish(Phase phase, const std::string& message, bool problem) {
+  const std::lock_guard lock(mutex_);
+  playing_ = false;
+  shown_.phase = phase;
+  shown_.message = message;
+  shown_.problem = problem;
+}
+
+void Session::open(const std::string& source) {
+  command([this, source] {
+    source_name_ = source;
+    begin();
+  });
+}
+
+void Session::reset() {
+  command([this] {
+    if (!source_name_.empty()) begin();
+  });
+}
+
+void Session::begin() {
+  update([&](Snapshot& s) {
+    playing_ = false;
+    const std::uint64_t generation = s.generation + 1;
+    s = Snapshot{};
+    s.generation = generation;
+    s.phase = Phase::Opening;
+    s.source = source_name_;
+    s.message = "Opening " + source_name_ + " ...";
+    s.settings = settings_;
+    s.path = std::make_shared<std::vector<PathPoint>>();
+    s.swarm = std::make_shared<std::vector<SwarmIteration>>();
+  });
+  pipeline_.reset();
+  source_.reset();
+  trajectory_.clear();
+  path_.clear();
+  last_pose_.reset();
+  SourceOptions options = source_options_;
+  options.sequence.colour = settings_.volume.colour;
+  const auto stop = [this] {
+    const std::lock_guard lock(mutex_);
+    return stopping_ || !commands_.empty();
+  };
+  source_ = openSource(source_name_, options, stop);
+  if (!source_) return;
+  const SequenceInfo& info = source_->info();
+  pipeline_ = std::make_unique<Pipeline>(device_, settings_, info.intrinsics, info.depth_units_per_metre);
+  pipeline_->watchSwarm(
+      [this](const SwarmState& state, const SwarmTemplate& swarm_template, std::span<const float> losses) {
+        swarm_.push_back(iterationOf(state, swarm_template, losses));
+      });
+  update([&](Snapshot& s) {
+    s.phase = Phase::Paused;
+    s.expected = source_->expectedFrames();
+    s.camera = info.intrinsics;
+    s.message = info.format + (info.warnings.empty() ? ", ready to play." : "; " + info.warnings.front());
+  });
+}
+
+void Session::play() {
+  command([this] {
+    if (!pipeline_) return;
+    const std::lock_guard lock(mutex_);
+    if (shown_.phase != Phase::Paused) return;
+    playing_ = true;
+    shown_.phase = Phase::Playing;
+  });
+}
+
+void Session::pause() {
+  command([this] {
+    const std::lock_guard lock(mutex_);
+    if (shown_.phase != Phase::Playing) return;
+    playing_ = false;
+    shown_.phase = Phase::Paused;
+  });
+}
+
+void Session::step() {
+  command([this] {
+    if (pipeline_ && snapshot().phase == Phase::Paused) nextFrame();
+  });
+}
+
+void Session::nextFrame() {
+  SourceFrame frame;
+  const auto start = std::chrono::steady_clock::now();
+  const auto stop = [this, start] {
+    // Steps in a row are all carried out; only one that waits for a camera gives way.
+    const bool waited = std::chrono::steady_clock::now() - start > std::chrono::seconds(1);
+    const std::lock_guard lock(mutex_);
+    return stopping_ || ((playing_ || waited) && !commands_.empty());
+  };
+  const SourceState state = source_->next(frame, stop);
+  if (state == SourceState::Stopped) return;
+  if (state == SourceState::End) return finish(Phase::Finished, "The sequence has ended.", false);
+  if (!frame.problem.empty()) say(frame.problem, true);
+  if (!frame.usable) return;
+  swarm_.clear();
+  publish(frame, pipeline_->processFrame(frame.frame));
+}
+
+void Session::publish(const SourceFrame& frame, const FrameResult& result) {
+  const bool found = result.status != TrackingStatus::Lost;
+  double speed = 0, turn_rate = 0;
+  if (found) {
+    const StampedPose now{result.timestamp, result.world_from_camera};
+    const double seconds =
+        last_pose_ ? (now.timestamp - last_pose_->timestamp) * source_->info().seconds_per_stamp : 0;
+    if (seconds > 0) {
+      const Pose moved = last_pose_->world_from_camera.inverse() * now.world_from_camera;
+      speed = moved.translation().norm() / seconds;
+      turn_rate = rotationAngle(moved) / seconds;
+    }
+    path_.push_back({now.world_from_camera.translation(), speed, seconds > 0});
+    trajectory_.push_back(now);
+    last_pose_ = now;
+  } else {
+    last_pose_.reset();
+  }
+  const cv::Mat depth = colouredDepth(frame.frame.depth, source_->info().depth_units_per_metre);
+  update([&](Snapshot& s) {
+    ++s.frames;
+    s.dropped += frame.dropped;
+    s.last = result;
+    s.speed = speed;
+    s.turn_rate = turn_rate;
+    s.frames_per_second = 1000 / std::max(result.milliseconds.total, 1e-3);
+    s.path = std::make_shared<std::vector<PathPoint>>(path_);
+    s.swarm = std::make_shared<std::vector<SwarmIteration>>(swarm_);
+    s.depth = depth;
+    ++s.depth_number;
+    s.model_number += found;
+    s.model = pipeline_->volume().view();
+    s.model_bytes = pipeline_->volume().memoryBytes();
+    s.device_bytes = device_.allocatedBytes();
+    if (frame.problem.empty()) {
+      s.message = "Frame " + std::to_string(frame.index) + ".";
+      s.problem = false;
+    }
+  });
+}
+
+void Session::set(const std::string& key, const std::string& value) {
+  command([this, key, value] {
+    Settings changed = settings_;
+    setField(changed, key, value, "the viewer");
+    requireConsistent(changed);
+    settings_ = changed;
+    if (pipeline_ && isLiveSetting(key)) pipeline_->changeLive(settings_);
+    update([&](Snapshot& s) {
+      s.settings = settings_;
+      s.settings_wait |= pipeline_ && !isLiveSetting(key);
+      s.message = key + " = " + value + (isLiveSetting(key) ? "." : ": from the next reset on.");
+      s.problem = false;
+    });
+  });
+}
+
+void Session::saveMesh(const std::filesystem::path& file) {
+  command([this, file] {
+    if (!pipeline_ || pipeline_->volume().blockCount() == 0)
+      return say("There is no surface to save yet.", true);
+    say("Writing " + file.string() + " ...");
+    const MeshSettings& mesh = pipeline_->settings().mesh;
+    ExtractPass extract(device_);
+    writePly(file, extractMesh(
+                       extract, pipeline_->volume(),
+                       {static_cast<float>(mesh.min_weight), static_cast<std::size_t>(mesh.min_component)}));
+    say("Saved " + file.string() + ".");
+  });
+}
+
+void Session::saveTrajectory(const std::filesystem::path& file) {
+  command([this, file] {
+    if (trajectory_.empty()) return say("There is no trajectory to save yet.", true);
+    writeTumTrajectory(file, trajectory_);
+    say("Saved " + file.string() + ".");
+  });
+}
+
+}  // namespace rosefusion::viewer

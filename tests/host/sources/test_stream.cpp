@@ -1,0 +1,382 @@
+// Streams over loopback: whole through broken connections, newest first when live, and deaf to everything
+// else.
+#include <cstring>
+#include <random>
+#include <thread>
+#include <zmq.hpp>
+
+#include "host/sources/image_codec.h"
+#include "host/sources/stream.h"
+#include "host/sources/wire.h"
+#include "tests/host/base/temporary_folder.h"
+#include "tests/host/sources/cutting_proxy.h"
+#include "tests/host/sources/memory_sequence.h"
+
+namespace rosefusion::testing {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* kAnyPort = "tcp://127.0.0.1:*";
+
+/// Ends a test that hangs.
+StopQuestion after(std::chrono::seconds limit) {
+  return [end = Clock::now() + limit] { return Clock::now() > end; };
+}
+
+SequenceInfo infoOf(const std::vector<Frame>& frames) {
+  return MemorySequence(frames, kSmallCamera).info();
+}
+
+/// Sends on a thread of its own; what goes wrong there is said by finish().
+class Sending {
+ public:
+  Sending(const std::string& endpoint, const std::vector<Frame>& frames, const StreamOptions& options = {},
+          std::chrono::milliseconds pause = 0ms) {
+    thread_ = std::thread([=, this] {
+      try {
+        StreamSender sender(endpoint, infoOf(frames), options);
+        const StopQuestion stop = after(20s);
+        for (const Frame& frame : frames) {
+          if (!sender.send(frame, stop)) break;
+          std::this_thread::sleep_for(pause);
+        }
+        whole_ = sender.finish(stop);
+        counts_ = sender.counts();
+      } catch (const InputError& error) {
+        problem_ = error.what();
+      }
+    });
+  }
+  ~Sending() {
+    if (thread_.joinable()) thread_.join();
+  }
+  bool finish() {
+    thread_.join();
+    return whole_;
+  }
+  const std::string& problem() const { return problem_; }
+  const StreamSender::Counts& counts() const { return counts_; }
+
+ private:
+  bool whole_ = false;
+  std::string problem_;
+  StreamSender::Counts counts_;
+  std::thread thread_;
+};
+
+std::vector<SourceFrame> receiveAll(StreamReceiver& receiver, std::chrono::milliseconds pause = 0ms) {
+  const StopQuestion stop = after(20s);
+  std::vector<SourceFrame> out;
+  EXPECT_TRUE(receiver.waitForStream(stop));
+  SourceFrame frame;
+  SourceState state = SourceState::Stopped;
+  while ((state = receiver.next(frame, stop)) == SourceState::Frame) {
+    out.push_back(frame);
+    std::this_thread::sleep_for(pause);
+  }
+  EXPECT_EQ(state, SourceState::End);
+  return out;
+}
+
+void expectAll(const std::vector<Frame>& sent, const std::vector<SourceFrame>& received) {
+  ASSERT_EQ(received.size(), sent.size());
+  for (std::size_t i = 0; i < sent.size(); ++i) {
+    EXPECT_EQ(received[i].index, i);
+    EXPECT_EQ(received[i].dropped, 0u);
+    EXPECT_EQ(received[i].frame.timestamp, sent[i].timestamp);
+    EXPECT_TRUE(same(received[i].frame.depth, sent[i].depth)) << i;
+    EXPECT_TRUE(sent[i].colour.empty() ? received[i].frame.colour.empty()
+                                       : same(received[i].frame.colour, sent[i].colour));
+  }
+}
+
+TEST(Stream, BringsEveryFrameAndTheCamera) {
+  auto frames = numberedFrames(30, 30);
+  frames[3].colour = cv::Mat(kSmallCamera.height, kSmallCamera.width, CV_8UC3, cv::Scalar(1, 2, 3));
+  StreamReceiver receiver(kAnyPort, {});
+  Sending sending(receiver.endpoint(), frames);
+  const auto received = receiveAll(receiver);
+  expectAll(frames, received);
+  EXPECT_EQ(receiver.info().intrinsics, kSmallCamera);
+  EXPECT_EQ(receiver.info().depth_units_per_metre, 5000);
+  EXPECT_EQ(receiver.info().frames, 30u);
+  EXPECT_TRUE(sending.finish());
+  EXPECT_TRUE(receiver.refusals().empty());
+}
+
+TEST(Stream, SlowReceiverHoldsTheSenderBack) {
+  const auto frames = numberedFrames(40, 30);
+  StreamReceiver receiver(kAnyPort, {});
+  Sending sending(receiver.endpoint(), frames);
+  expectAll(frames, receiveAll(receiver, 10ms));
+  EXPECT_TRUE(sending.finish());
+  EXPECT_EQ(sending.counts().dropped, 0u);
+}
+
+TEST(Stream, BrokenConnectionsLoseNothing) {
+  std::mt19937 random(1);
+  auto frames = numberedFrames(40, 30);
+  for (Frame& frame : frames)  // noise, so that the messages are long and cuts fall within them
+    for (int i = 0; i < kSmallCamera.width * kSmallCamera.height; ++i)
+      frame.depth.at<std::uint16_t>(i) = static_cast<std::uint16_t>(random());
+  StreamReceiver receiver(kAnyPort, {});
+  CuttingProxy proxy(portOf(receiver.endpoint()), 30'000, 6);
+  Sending sending(proxy.endpoint(), frames);
+  expectAll(frames, receiveAll(receiver));
+  EXPECT_TRUE(sending.finish());
+  EXPECT_EQ(proxy.cutsMade(), 6);
+  EXPECT_GT(sending.counts().resent, 0u);
+}
+
+TEST(Stream, LiveStreamsDropWhatTheReceiverCannotTake) {
+  const auto frames = numberedFrames(60, 100);
+  StreamReceiver receiver(kAnyPort, {});
+  StreamOptions live;
+  live.live = true;
+  Sending sending(receiver.endpoint(), frames, live, 5ms);
+  const auto received = receiveAll(receiver, 50ms);
+  EXPECT_TRUE(sending.finish());
+  ASSERT_GT(received.size(), 3u);
+  EXPECT_LT(received.size(), 30u);
+  std::size_t next = received.front().index;
+  for (const SourceFrame& frame : received) {
+    EXPECT_EQ(frame.index, next + frame.dropped * (&frame != &received.front()));
+    EXPECT_TRUE(same(frame.frame.depth, frames[frame.index].depth));
+    next = frame.index + 1;
+  }
+}
+
+TEST(Stream, SilenceEndsAStreamWhereAsked) {
+  StreamOptions options;
+  options.silence_limit = 0.3;
+  StreamReceiver receiver(kAnyPort, options);
+  const auto frames = numberedFrames(2, 30);
+  auto sender = std::make_unique<StreamSender>(receiver.endpoint(), infoOf(frames), StreamOptions{});
+  std::thread waiting([&] { EXPECT_TRUE(receiver.waitForStream(after(20s))); });
+  while (sender->counts().frames == 0) EXPECT_TRUE(sender->send(frames[0], after(20s)));
+  sender->finish(after(1s));  // sends all, and ends unheard
+  waiting.join();
+  sender.reset();
+  SourceFrame frame;
+  while (receiver.next(frame, after(20s)) == SourceState::Frame) {
+  }
+}
+
+TEST(Stream, AddressesThatCannotBeUsedAreNamed) {
+  EXPECT_THAT(inputErrorOf([] { StreamReceiver("tcp://nonsense", {}); }), HasSubstr("tcp://nonsense"));
+  EXPECT_THAT(inputErrorOf([] { StreamReceiver("tcp://203.0.113.1:5555", {}); }), HasSubstr("203.0.113.1"));
+  EXPECT_THAT(inputErrorOf([] { StreamSender("tcp://nonsense", infoOf(numberedFrames(1, 30)), {}); }),
+              HasSubstr("tcp://nonsense"));
+}
+
+// ---- What does not belong to the stream. Each test ends with a stream that arrives whole.
+
+class HostileStream : public ::testing::Test {
+ protected:
+  StreamReceiver receiver_{kAnyPort, {}};
+  zmq::context_t context_;
+
+  void sendRaw(const std::vector<std::byte>& bytes) { sendParts({bytes}); }
+  void sendParts(const std::vector<std::vector<std::byte>>& parts) {
+    zmq::socket_t socket(context_, zmq::socket_type::dealer);
+    socket.set(zmq::sockopt::linger, 2000);
+    socket.connect(receiver_.endpoint());
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      socket.send(zmq::buffer(parts[i]),
+                  i + 1 < parts.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
+  }
+  /// Waits until the receiver has said it.
+  void expectRefusal(const std::string& part) {
+    for (const auto stop = after(10s); !stop(); std::this_thread::sleep_for(5ms))
+      for (const std::string& sentence : receiver_.refusals())
+        if (sentence.find(part) != std::string::npos) return;
+    ADD_FAILURE() << "not refused: " << part << "; refused were "
+                  << ::testing::PrintToString(receiver_.refusals());
+  }
+  void expectThatAStreamStillArrives() {
+    const auto frames = numberedFrames(5, 30);
+    Sending sending(receiver_.endpoint(), frames);
+    expectAll(frames, receiveAll(receiver_));
+    EXPECT_TRUE(sending.finish());
+  }
+  static wire::Header header(wire::Type type) {
+    wire::Header h;
+    h.type = static_cast<std::uint16_t>(type);
+    h.session = 99;
+    h.width = static_cast<std::uint32_t>(kSmallCamera.width);
+    h.height = static_cast<std::uint32_t>(kSmallCamera.height);
+    h.fx = kSmallCamera.fx;
+    h.fy = kSmallCamera.fy;
+    h.cx = kSmallCamera.cx;
+    h.cy = kSmallCamera.cy;
+    h.depth_units_per_metre = 5000;
+    return h;
+  }
+};
+
+TEST_F(HostileStream, GarbageIsRefused) {
+  std::mt19937 random(2);
+  for (const std::size_t length : {0u, 1u, 15u, 100u, 5000u}) {
+    std::vector<std::byte> bytes(length);
+    for (std::byte& b : bytes) b = static_cast<std::byte>(random());
+    sendRaw(bytes);
+  }
+  expectRefusal("none of rosefusion's");
+  sendParts({std::vector<std::byte>(3), std::vector<std::byte>(3)});
+  expectRefusal("more than one part");
+  expectThatAStreamStillArrives();
+}
+
+TEST_F(HostileStream, BytesOfAnotherProtocolAreRefused) {
+  const int s = connectTo(portOf(receiver_.endpoint()));
+  const std::string request = "GET / HTTP/1.1\r\nHost: localhost\r\n\r\n" + std::string(200, '\xff');
+  ASSERT_GT(::send(s, request.data(), request.size(), MSG_NOSIGNAL), 0);
+  expectRefusal("speaks another protocol");
+  close(s);
+  expectThatAStreamStillArrives();
+}
+
+TEST_F(HostileStream, TruncatedAndOutdatedMessagesAreRefused) {
+  auto bytes = wire::pack(header(wire::Type::Frame), std::vector<std::byte>(50));
+  bytes.resize(bytes.size() - 20);
+  sendRaw(bytes);
+  expectRefusal("do not add up");
+  sendRaw({bytes.begin(), bytes.begin() + 60});
+  expectRefusal("truncated");
+  wire::Header h = header(wire::Type::Probe);
+  h.version = 2;
+  sendRaw(wire::pack(h));
+  expectRefusal("version is 2");
+  expectThatAStreamStillArrives();
+}
+
+TEST_F(HostileStream, HugeSizesAreRefusedUnread) {
+  wire::Header h = header(wire::Type::Probe);
+  h.width = h.height = 0x7FFFFFFF;
+  sendRaw(wire::pack(h));
+  expectRefusal("2147483647x2147483647");
+  // A ZeroMQ peer that announces a message of 2^60 bytes is cut off before any of it is read.
+  const int s = connectTo(portOf(receiver_.endpoint()));
+  std::string greeting("\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL", 16);
+  greeting.resize(64, '\0');
+  const std::string ready("\4\x1c\5READY\x0bSocket-Type\0\0\0\6DEALER", 30);
+  const std::string announced("\2\x10\0\0\0\0\0\0\0", 9);
+  std::string all = greeting + ready + announced;
+  ASSERT_EQ(::send(s, all.data(), all.size(), MSG_NOSIGNAL), static_cast<ssize_t>(all.size()));
+  const timeval limit{10, 0};
+  setsockopt(s, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+  char reply[256];
+  ssize_t n = 0;
+  while ((n = recv(s, reply, sizeof reply, 0)) > 0) {
+  }
+  EXPECT_TRUE(n == 0 || errno == ECONNRESET) << "still connected after ten seconds";
+  close(s);
+  expectRefusal("more than 64 MiB");
+  expectThatAStreamStillArrives();
+}
+
+TEST_F(HostileStream, DamagedAndForeignFramesDoNotEnterTheStream) {
+  const auto frames = numberedFrames(5, 30);
+  StreamSender sender(receiver_.endpoint(), infoOf(frames), {});
+  ASSERT_TRUE(sender.send(frames[0], after(20s)));
+  std::thread finishing;
+  SourceFrame frame;
+  std::thread pumping([&] {
+    for (std::size_t i = 1; i < frames.size(); ++i) EXPECT_TRUE(sender.send(frames[i], after(20s)));
+    EXPECT_TRUE(sender.finish(after(20s)));
+  });
+  ASSERT_TRUE(receiver_.waitForStream(after(20s)));
+  ImageCodec codec;
+  sendRaw(wire::pack(header(wire::Type::Frame), codec.compressDepth(frames[4].depth)));
+  expectRefusal("another stream is being received");
+  std::vector<SourceFrame> received;
+  while (receiver_.next(frame, after(20s)) == SourceState::Frame) received.push_back(frame);
+  pumping.join();
+  expectAll(frames, received);
+}
+
+TEST_F(HostileStream, ADamagedFrameIsRefusedWithAReason) {
+  sendRaw(wire::pack(header(wire::Type::Probe)));
+  ASSERT_TRUE(receiver_.waitForStream(after(20s)));
+  sendRaw(wire::pack(header(wire::Type::Frame), std::vector<std::byte>(500, std::byte{7})));
+  expectRefusal("damaged");
+  wire::Header other = header(wire::Type::Probe);
+  other.fx *= 2;
+  sendRaw(wire::pack(other));
+  expectRefusal("its camera is not that");
+  ImageCodec codec;
+  const auto frames = numberedFrames(1, 30);
+  sendRaw(wire::pack(header(wire::Type::Frame), codec.compressDepth(frames[0].depth)));
+  SourceFrame frame;
+  ASSERT_EQ(receiver_.next(frame, after(20s)), SourceState::Frame);
+  EXPECT_TRUE(same(frame.frame.depth, frames[0].depth));
+}
+
+TEST_F(HostileStream, ASecondSenderIsToldThatThereIsOne) {
+  const auto frames = numberedFrames(3, 30);
+  StreamSender first(receiver_.endpoint(), infoOf(frames), {});
+  std::thread waiting([&] { EXPECT_TRUE(receiver_.waitForStream(after(20s))); });
+  while (receiver_.info().frames == 0) ASSERT_TRUE(first.send(frames[0], after(20s)));
+  waiting.join();
+  Sending second(receiver_.endpoint(), frames);
+  EXPECT_FALSE(second.finish());
+  EXPECT_THAT(second.problem(), HasSubstr("another stream is being received"));
+}
+
+// ---- Keys.
+
+class EncryptedStream : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* name : {"server", "camera", "stranger"}) makeKeys(folder_ / name);
+  }
+  StreamOptions keys(const std::string& own, const std::string& other) const {
+    StreamOptions options;
+    options.secret_key = folder_ / (own + ".secret");
+    options.peer_keys = folder_ / (other + ".public");
+    return options;
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(EncryptedStream, ArrivesWholeAndStrangersAreRefused) {
+  const auto frames = numberedFrames(5, 30);
+  StreamReceiver receiver(kAnyPort, keys("server", "camera"));
+  Sending stranger(receiver.endpoint(), frames, keys("stranger", "server"));
+  EXPECT_FALSE(stranger.finish());
+  EXPECT_THAT(stranger.problem(), HasSubstr("does not allow this key"));
+  Sending plain(receiver.endpoint(), frames);
+  EXPECT_FALSE(plain.finish());
+  EXPECT_THAT(plain.problem(), HasSubstr("either both ends use keys or neither"));
+  EXPECT_THAT(receiver.refusals(), Contains(HasSubstr("its key is not among those allowed")));
+  EXPECT_THAT(receiver.refusals(), Contains(HasSubstr("refused a connection: it ")));
+
+  Sending camera(receiver.endpoint(), frames, keys("camera", "server"));
+  expectAll(frames, receiveAll(receiver));
+  EXPECT_TRUE(camera.finish());
+}
+
+TEST_F(EncryptedStream, SecretKeysAreTheUsersOwnAndNeverReplaced) {
+  const auto mode = std::filesystem::status(folder_ / "server.secret").permissions();
+  EXPECT_EQ(mode & (std::filesystem::perms::group_all | std::filesystem::perms::others_all),
+            std::filesystem::perms::none);
+  EXPECT_THAT(inputErrorOf([&] { makeKeys(folder_ / "server"); }), HasSubstr("exists already"));
+}
+
+TEST_F(EncryptedStream, UnusableKeyFilesAreNamed) {
+  StreamOptions half;
+  half.secret_key = folder_ / "server.secret";
+  EXPECT_THAT(inputErrorOf([&] { StreamReceiver(kAnyPort, half); }), HasSubstr("--peer-key"));
+  const auto bad = folder_.write("bad.public", "too short\n");
+  half.peer_keys = bad;
+  EXPECT_THAT(inputErrorOf([&] { StreamReceiver(kAnyPort, half); }), HasSubstr("bad.public"));
+  half.peer_keys = folder_ / "missing.public";
+  EXPECT_THAT(inputErrorOf([&] { StreamReceiver(kAnyPort, half); }), HasSubstr("missing.public"));
+}
+
+}  // namespace
+}  // namespace rosefusion::testing
