@@ -83,7 +83,7 @@ void plotParticles(ResultWriter& out, const std::vector<std::vector<Iteration>>&
   plot.width_px = 2000;
   plot.height_px = 1050;
   plot.commands = fmt::format(
-      "set multiplot layout {0},{1} margins 0.05,0.92,0.08,0.95 spacing 0.025,0.1\nset key off\nset palette "
+      "set multiplot layout {0},{1} margins 0.05,0.92,0.08,0.95 spacing 0.025,0.17\nset key off\nset palette "
       "defined (0 \"#10243f\", 0.5 "
       "\"#4f9d93\", 1 "
       "\"#f4e9a6\")\nset cbrange [0.2:1]\nset xrange [-{2:.4f}:{2:.4f}]\nset yrange [-{2:.4f}:{2:.4f}]\nset "

@@ -7,7 +7,7 @@
 namespace rosefusion::testing {
 namespace {
 
-/// Slow enough for the methods that only descend, and yet 20 cm long.
+/// Slow enough for the methods that only descend, and yet some way to go.
 const SynthSequence& slowSequence() {
   static const SynthSequence sequence = [] {
     SynthOptions options;
@@ -43,7 +43,7 @@ class MethodTest : public ValidatingDevice {
     }
     return out;
   }
-  /// The largest error without alignment: a camera that is taken to stand still is off by 20 cm at the end.
+  /// The largest error without alignment: a camera that is taken to stand still is off by all that it moved.
   static double te(const Tracked& tracked) {
     return measureTrajectory(tracked.trajectory, slowSequence().truth).te_m.max;
   }
@@ -57,11 +57,15 @@ class MethodTest : public ValidatingDevice {
 
 TEST_F(MethodTest, EachTracksASlowCameraRepeatablyInItsOwnWay) {
   const std::string kParticles = "swarm.levels=4096/16 1024/8 512/4";  // this fast, fewer miss too much
+  const Trajectory& truth = slowSequence().truth;
+  const double travelled =
+      (truth.back().world_from_camera.translation() - truth[0].world_from_camera.translation()).norm();
+  ASSERT_GT(travelled, 0.1);
   std::vector<Tracked> all;
   for (const char* method : {"default", "pst", "pfo", "pso", "gauss-newton", "icp"}) {
     const std::string assignment = std::string("tracker.method=") + method;
     all.push_back(track({assignment, kParticles}));
-    EXPECT_LT(te(all.back()), 0.05) << method;
+    EXPECT_LT(te(all.back()), 0.5 * travelled) << method;
     EXPECT_GT(all.back().lookups, 0u) << method;
     EXPECT_GT(all.back().iterations, 0) << method;
     EXPECT_TRUE(same(all.back(), track({assignment, kParticles}))) << method;
