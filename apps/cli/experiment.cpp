@@ -17,7 +17,7 @@
 namespace rosefusion::cli {
 namespace {
 
-struct Options {
+struct ExperimentCommandOptions {
   std::string name;
   std::string device;
   std::string json;
@@ -35,7 +35,7 @@ nlohmann::ordered_json toJson(const NamedResult& r) {
           {"verdicts", verdicts}};
 }
 
-void runExperiments(Options& o) {
+void runExperiments(ExperimentCommandOptions& o) {
   const std::vector<const Experiment*> wanted = experimentsNamed(o.name);
   if (o.experiment.data.empty())
     if (const char* data = std::getenv("ROSEFUSION_DATA")) o.experiment.data = data;
@@ -85,7 +85,7 @@ void runExperiments(Options& o) {
 }  // namespace
 
 void addExperimentCommand(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ExperimentCommandOptions>();
   o->experiment.out = "out/experiments";
   CLI::App* c = app.add_subcommand("experiment",
                                    "Repeat the paper's experiments: tables (CSV), plots (PNG), and whether "

@@ -133,8 +133,9 @@ RunRecord trackOnce(const ExperimentContext& context, const std::string& what, c
   const std::shared_ptr<Sequence> sequence = test.open();
   const SequenceInfo& info = sequence->info();
   Pipeline pipeline(context.device, settings, info.intrinsics, info.depth_units_per_metre);
+  SequenceSource source(*sequence, test.run);
   const RunSummary summary = reconstruct(
-      *sequence, pipeline, test.run,
+      source, pipeline, 0,
       [&](const RunProgress&) { context.progress ? context.progress(1, note) : void(); }, context.stop);
   if (summary.end == RunEnd::Interrupted) throw Interrupted{};
   const RunRecord record = summariseRun(summary, info, test.frames);

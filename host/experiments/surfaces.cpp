@@ -31,8 +31,9 @@ void reconstructWith(const ExperimentContext& context, const Variant& method, co
   const auto sequence = std::dynamic_pointer_cast<MemorySequence>(test.open());
   const SequenceInfo& info = sequence->info();
   Pipeline pipeline(context.device, settingsOf(context, method), info.intrinsics, info.depth_units_per_metre);
+  SequenceSource source(*sequence, test.run);
   const RunSummary summary = reconstruct(
-      *sequence, pipeline, test.run,
+      source, pipeline, 0,
       [&](const RunProgress&) {
         if (context.progress) context.progress(1, method.name + ", " + test.name);
       },
