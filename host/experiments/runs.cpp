@@ -135,8 +135,8 @@ RunRecord trackOnce(const ExperimentContext& context, const std::string& what, c
   Pipeline pipeline(context.device, settings, info.intrinsics, info.depth_units_per_metre);
   SequenceSource source(*sequence, test.run);
   const RunSummary summary = reconstruct(
-      source, pipeline, 0,
-      [&](const RunProgress&) { context.progress ? context.progress(1, note) : void(); }, context.stop);
+      source, pipeline, 0, [&](const RunProgress&) { context.progress ? context.progress(1, note) : void(); },
+      context.stop);
   if (summary.end == RunEnd::Interrupted) throw Interrupted{};
   const RunRecord record = summariseRun(summary, info, test.frames);
   writeFileAtomically(file, nlohmann::json{{"key", key}, {"record", toJson(record)}}.dump() + "\n");
