@@ -173,7 +173,12 @@ void runWindow(const Options& o) {
       const auto start = Clock::now();
       ImGui_ImplGlfw_NewFrame();
       const std::vector<int> pressed = window.takePressed();
-      for (const int key : pressed) ImGui::GetIO().KeysDown[key] = true;
+      ImGuiIO& io = ImGui::GetIO();
+      const auto heedControl = [&] {
+        io.KeyCtrl = io.KeysDown[GLFW_KEY_LEFT_CONTROL] || io.KeysDown[GLFW_KEY_RIGHT_CONTROL];
+      };
+      for (const int key : pressed) io.KeysDown[key] = true;
+      heedControl();
       const double seconds = std::min(0.1, millisecondsSince(last) / 1000);
       last = start;
       const Requests requests = viewer.frame(
@@ -181,7 +186,8 @@ void runWindow(const Options& o) {
       viewer.state().draw_milliseconds = millisecondsSince(start);
       window.setTitle(viewer.title());
       for (const int key : pressed)
-        ImGui::GetIO().KeysDown[key] = glfwGetKey(window.handle(), key) == GLFW_PRESS;
+        io.KeysDown[key] = glfwGetKey(window.handle(), key) == GLFW_PRESS;
+      heedControl();
       if (viewer.phase() == Phase::Playing) times.push_back(viewer.state().draw_milliseconds);
       for (const std::string& dropped : window.takeDropped()) {
         viewer.state().path = dropped;

@@ -75,6 +75,7 @@ press t test -s "$out/trajectory.txt"
 [[ $(poses) == 2 ]] || fail "two steps gave $(poses) poses"
 rm "$out/trajectory.txt"
 press space says ' - \(playing\|finished\) - '
+wait_for "two more frames" says ' - \([4-9]\|[1-9][0-9]\+\) frames'
 press space says ' - \(paused\|finished\) - '
 
 # A setting: the cursor is in the settings' filter, and Tab leads to the first row.
