@@ -14,7 +14,11 @@ class MotionModel {
   /// The last pose carried on; as it is where no velocity is known. Velocities fade when nothing was added
   /// for long.
   Pose predict(double timestamp) const;
-  void forgetVelocity() { before_.reset(); }
+  /// After a loss: the next pose makes no velocity with those before it.
+  void forget() {
+    before_.reset();
+    last_.reset();
+  }
 
  private:
   struct Stamped {

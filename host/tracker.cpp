@@ -125,7 +125,7 @@ void Tracker::accept(const Pose& world_from_camera, double timestamp, bool fused
 
 void Tracker::lose() {
   lost_ = !other_method_;
-  motion_.forgetVelocity();
+  motion_.forget();
 }
 
 }  // namespace rosefusion
