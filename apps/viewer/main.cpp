@@ -185,8 +185,7 @@ void runWindow(const Options& o) {
           seconds, false, [&](const auto& beneath) { presenter.present(viewer.canvas(), beneath); });
       viewer.state().draw_milliseconds = millisecondsSince(start);
       window.setTitle(viewer.title());
-      for (const int key : pressed)
-        io.KeysDown[key] = glfwGetKey(window.handle(), key) == GLFW_PRESS;
+      for (const int key : pressed) io.KeysDown[key] = glfwGetKey(window.handle(), key) == GLFW_PRESS;
       heedControl();
       if (viewer.phase() == Phase::Playing) times.push_back(viewer.state().draw_milliseconds);
       for (const std::string& dropped : window.takeDropped()) {
