@@ -1,5 +1,6 @@
 #include "host/datasets/camera_source.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/datasets/text_table.h"
@@ -27,6 +28,11 @@ std::optional<CameraSource> readCalibration(const std::filesystem::path& folder,
   const std::vector<double> v = readNumbers(file);
   if (v.size() < 4) throw InputError(file.string() + ": expected four numbers 'fx fy cx cy' in pixels.");
   CameraSource camera{{0, 0, v[0], v[1], v[2], v[3]}, file.string(), false, {}};
+  constexpr double kLargest = 10;  // real lenses stay near 1
+  if (v.size() == 9 && !std::all_of(v.begin() + 4, v.end(), [](double k) { return std::abs(k) <= kLargest; }))
+    throw InputError(file.string() +
+                     ": the lens' numbers k1 k2 p1 p2 k3 must lie between -10 and 10; leave them out " +
+                     "for images that are undistorted.");
   if (v.size() == 9)
     camera.distortion = {v[4], v[5], v[6], v[7], v[8]};
   else if (v.size() > 4)

@@ -162,6 +162,15 @@ TEST(Tum, TakesTheLensOutOfTheImages) {
       << "given intrinsics speak of images as they are";
 }
 
+TEST(Tum, AnAbsurdLensIsRefused) {
+  const TemporaryFolder folder;
+  makeTum(folder);
+  for (const char* lens : {"1e300 0 0 0 0", "0 0 0 0 -11"}) {
+    folder.write("calibration.txt", std::string("30.5 30.25 15.5 11.5 ") + lens);
+    EXPECT_THAT(openingError(folder.path()), HasSubstr(folder.text("calibration.txt"))) << lens;
+  }
+}
+
 TEST(Tum, APublishedCameraHasItsLens) {
   const cv::Point2d raw(570.5, 400.5);
   const auto fr1 = markSeen("517.3 516.5 318.6 255.3", {570, 400}, {});
