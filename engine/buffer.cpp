@@ -37,10 +37,11 @@ Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Im
   bytes = std::max<std::uint64_t>(16, (bytes + 3) / 4 * 4);
   try {
     using Usage = vk::BufferUsageFlagBits;
-    impl_->buffer = {
-        device.device,
-        vk::BufferCreateInfo({}, bytes, Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst),
-        device.allocator};
+    impl_->buffer = {device.device,
+                     vk::BufferCreateInfo({}, bytes,
+                                          Usage::eStorageBuffer | Usage::eUniformTexelBuffer |
+                                              Usage::eTransferSrc | Usage::eTransferDst),
+                     device.allocator};
     const auto requirements = impl_->buffer.getMemoryRequirements();
     const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
     const int type =
@@ -58,6 +59,11 @@ Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Im
                      device.allocator};
     impl_->buffer.bindMemory(*impl_->memory, 0);
     if (memory != Memory::Device) impl_->mapped = impl_->memory.mapMemory(0, bytes);
+    // Made with the buffer, not when first bound: copies of it are bound on several threads.
+    if (memory == Memory::Device && bytes / 4 <= device.info.limits.max_texels)
+      impl_->texels = {device.device,
+                       vk::BufferViewCreateInfo({}, *impl_->buffer, vk::Format::eR32Uint, 0, VK_WHOLE_SIZE),
+                       device.allocator};
   } catch (const vk::SystemError& error) {
     throwDeviceError(error, "allocating " + std::to_string(bytes >> 20) + " MiB");
   }

@@ -11,6 +11,8 @@ struct Buffer::Impl {
   vk::raii::DeviceMemory memory = nullptr;  // before the buffer, which is destroyed first
   vk::raii::Buffer buffer = nullptr;
   void* mapped = nullptr;
+  vk::raii::BufferView texels =
+      nullptr;  // its words, read only; null where they are more than a texel buffer holds
   ~Impl() {
     if (device) device->allocated_bytes -= bytes;
   }

@@ -13,6 +13,7 @@ const char* toString(DeviceType type);
 struct DeviceLimits {
   std::uint64_t max_storage_buffer_bytes = 0;  ///< largest range one binding may cover
   std::uint32_t max_storage_buffers = 0;       ///< per compute stage
+  std::uint32_t max_texels = 0;                ///< of one texel buffer
   std::uint32_t max_workgroup_invocations = 0;
   std::uint32_t max_workgroup_count_x = 0;
   std::uint32_t max_push_constant_bytes = 0;

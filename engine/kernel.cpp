@@ -1,5 +1,7 @@
 #include "engine/kernel.h"
 
+#include <algorithm>
+#include <iterator>
 #include <numeric>
 
 #include "engine/error.h"
@@ -16,9 +18,12 @@ void requireMatch(const ShaderInterface& shader, const ShaderCode& code, std::ui
   };
   std::vector<std::uint32_t> expected(bindings);
   std::iota(expected.begin(), expected.end(), 0u);
-  if (shader.storage_bindings != expected)
+  std::vector<std::uint32_t> declared;
+  std::merge(shader.storage_bindings.begin(), shader.storage_bindings.end(), shader.texel_bindings.begin(),
+             shader.texel_bindings.end(), std::back_inserter(declared));
+  if (declared != expected)
     fail(DeviceErrorCode::Programming,
-         "its storage bindings are not 0 to " + std::to_string(bindings) + " - 1.");
+         "its buffer bindings are not 0 to " + std::to_string(bindings) + " - 1.");
   if (shader.push.bytes != push_bytes)
     fail(DeviceErrorCode::Programming, "it declares " + std::to_string(shader.push.bytes) +
                                            " B of push constants, the pass " + std::to_string(push_bytes) +
@@ -38,13 +43,15 @@ Kernel::Kernel(Device& owner, const ShaderCode& code, std::uint32_t bindings, st
   requireMatch(shader, code, bindings, push_bytes, owner.info());
   Device::Impl& device = owner.impl();
   impl_->name = code.name;
-  impl_->bindings = bindings;
+  impl_->types.assign(bindings, vk::DescriptorType::eStorageBuffer);
+  for (const std::uint32_t binding : shader.texel_bindings)
+    impl_->types[binding] = vk::DescriptorType::eUniformTexelBuffer;
   impl_->push_bytes = push_bytes;
   impl_->workgroup = shader.workgroup;
   try {
     std::vector<vk::DescriptorSetLayoutBinding> set;
     for (std::uint32_t i = 0; i < bindings; ++i)
-      set.emplace_back(i, vk::DescriptorType::eStorageBuffer, 1, vk::ShaderStageFlagBits::eCompute);
+      set.emplace_back(i, impl_->types[i], 1, vk::ShaderStageFlagBits::eCompute);
     impl_->set_layout = {device.device, vk::DescriptorSetLayoutCreateInfo({}, set), device.allocator};
     const vk::PushConstantRange push(vk::ShaderStageFlagBits::eCompute, 0, push_bytes);
     vk::PipelineLayoutCreateInfo layout({}, *impl_->set_layout);

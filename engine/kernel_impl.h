@@ -9,7 +9,7 @@ namespace rosefusion {
 
 struct Kernel::Impl {
   std::string name;
-  std::uint32_t bindings = 0;
+  std::vector<vk::DescriptorType> types;  // of the bindings 0, 1, ...
   std::uint32_t push_bytes = 0;
   std::array<std::uint32_t, 3> workgroup{1, 1, 1};
   vk::raii::DescriptorSetLayout set_layout = nullptr;

@@ -30,6 +30,7 @@ void lower(DeviceLimits& limits, const DeviceLimits& at_most) {
   const auto apply = [](auto& value, auto most) { value = most ? std::min(value, most) : value; };
   apply(limits.max_storage_buffer_bytes, at_most.max_storage_buffer_bytes);
   apply(limits.max_storage_buffers, at_most.max_storage_buffers);
+  apply(limits.max_texels, at_most.max_texels);
   apply(limits.max_workgroup_invocations, at_most.max_workgroup_invocations);
   apply(limits.max_workgroup_count_x, at_most.max_workgroup_count_x);
   apply(limits.max_push_constant_bytes, at_most.max_push_constant_bytes);
@@ -117,6 +118,7 @@ DeviceInfo describe(const vk::raii::PhysicalDevice& physical, int index, const D
   limits.max_storage_buffer_bytes = basic.limits.maxStorageBufferRange;
   limits.max_storage_buffers =
       std::min(basic.limits.maxPerStageDescriptorStorageBuffers, basic.limits.maxDescriptorSetStorageBuffers);
+  limits.max_texels = basic.limits.maxTexelBufferElements;
   limits.max_workgroup_invocations = basic.limits.maxComputeWorkGroupInvocations;
   limits.max_workgroup_count_x = basic.limits.maxComputeWorkGroupCount[0];
   limits.max_push_constant_bytes = basic.limits.maxPushConstantsSize;

@@ -58,7 +58,7 @@ struct Recorder::Impl {
   }
   void bind(const Kernel::Impl& kernel, std::span<const Buffer* const> buffers, const void* push,
             std::uint32_t push_bytes) {
-    if (buffers.size() != kernel.bindings || push_bytes != kernel.push_bytes)
+    if (buffers.size() != kernel.types.size() || push_bytes != kernel.push_bytes)
       throw DeviceError(DeviceErrorCode::Programming, "Kernel " + kernel.name + " was given " +
                                                           std::to_string(buffers.size()) + " buffers and " +
                                                           std::to_string(push_bytes) + " B of constants.");
@@ -66,6 +66,12 @@ struct Recorder::Impl {
       if (!buffer || !*buffer)
         throw DeviceError(DeviceErrorCode::Programming,
                           "Kernel " + kernel.name + " was given an empty buffer.");
+    for (std::size_t i = 0; i < buffers.size(); ++i)
+      if (kernel.types[i] == vk::DescriptorType::eUniformTexelBuffer && !*buffers[i]->impl().texels)
+        throw DeviceError(DeviceErrorCode::Programming,
+                          "Kernel " + kernel.name +
+                              " was given a buffer that has no texels, being mapped "
+                              "or too large.");
     if (sets_used == kSetsPerSubmit)
       throw DeviceError(DeviceErrorCode::Programming,
                         "More than " + std::to_string(kSetsPerSubmit) + " dispatches in one submit.");
@@ -82,8 +88,13 @@ struct Recorder::Impl {
       hold({buffer});
     }
     std::vector<vk::WriteDescriptorSet> writes;
-    for (std::uint32_t i = 0; i < infos.size(); ++i)
-      writes.emplace_back(set, i, 0, 1, vk::DescriptorType::eStorageBuffer, nullptr, &infos[i]);
+    std::vector<vk::BufferView> views(buffers.size());
+    for (std::uint32_t i = 0; i < infos.size(); ++i) {
+      const bool texels = kernel.types[i] == vk::DescriptorType::eUniformTexelBuffer;
+      if (texels) views[i] = *buffers[i]->impl().texels;
+      writes.emplace_back(set, i, 0, 1, kernel.types[i], nullptr, texels ? nullptr : &infos[i],
+                          texels ? &views[i] : nullptr);
+    }
     device.device.updateDescriptorSets(writes, {});
     commands.bindPipeline(vk::PipelineBindPoint::eCompute, *kernel.pipeline, vulkan());
     commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *kernel.pipeline_layout, 0, set, {},
@@ -105,8 +116,10 @@ Recorder::Recorder(Device& owner) : impl_(new Impl{owner.impl()}) {
         vk::raii::CommandBuffers(device.device, {*impl_->command_pool, vk::CommandBufferLevel::ePrimary, 1})
             .front());
     impl_->commands = *impl_->own_commands;
-    const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, kDescriptorsPerSubmit);
-    impl_->pool = {device.device, vk::DescriptorPoolCreateInfo({}, kSetsPerSubmit, size), device.allocator};
+    const std::array sizes = {
+        vk::DescriptorPoolSize(vk::DescriptorType::eStorageBuffer, kDescriptorsPerSubmit),
+        vk::DescriptorPoolSize(vk::DescriptorType::eUniformTexelBuffer, kDescriptorsPerSubmit)};
+    impl_->pool = {device.device, vk::DescriptorPoolCreateInfo({}, kSetsPerSubmit, sizes), device.allocator};
     impl_->fence = {device.device, vk::FenceCreateInfo(), device.allocator};
   } catch (const vk::SystemError& error) {
     throwDeviceError(error, "making a command buffer");

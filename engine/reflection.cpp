@@ -69,6 +69,13 @@ ShaderInterface reflect(const ShaderCode& code) {
   std::sort(out.storage_bindings.begin(), out.storage_bindings.end());
 
   require(
+      spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_SAMPLED_IMAGE, &list, &count),
+      code);
+  for (std::size_t i = 0; i < count; ++i)
+    out.texel_bindings.push_back(spvc_compiler_get_decoration(compiler, list[i].id, SpvDecorationBinding));
+  std::sort(out.texel_bindings.begin(), out.texel_bindings.end());
+
+  require(
       spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_PUSH_CONSTANT, &list, &count),
       code);
   if (count > 0) {

@@ -23,6 +23,7 @@ struct ShaderStruct {
 
 struct ShaderInterface {
   std::vector<std::uint32_t> storage_bindings;  ///< of set 0, ascending
+  std::vector<std::uint32_t> texel_bindings;    ///< uniform texel buffers of set 0, ascending
   ShaderStruct push;                            ///< push constants; no name and no bytes when there are none
   std::vector<ShaderStruct> storage_structs;    ///< structs directly inside storage buffers, each type once
   std::array<std::uint32_t, 3> workgroup{1, 1, 1};

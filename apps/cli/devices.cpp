@@ -22,6 +22,7 @@ Json toJson(const DeviceInfo& info, bool sums_work) {
   json["limits"] = {{"memory_bytes", l.memory_bytes},
                     {"max_storage_buffer_bytes", l.max_storage_buffer_bytes},
                     {"max_storage_buffers", l.max_storage_buffers},
+                    {"max_texels", l.max_texels},
                     {"max_workgroup_invocations", l.max_workgroup_invocations},
                     {"max_push_constant_bytes", l.max_push_constant_bytes},
                     {"max_shared_memory_bytes", l.max_shared_memory_bytes},

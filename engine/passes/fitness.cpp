@@ -65,7 +65,7 @@ void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectP
 
   Kernel& kernel = kernels_[{volume.chunks(), last_view != nullptr}];
   if (!kernel)
-    kernel = Kernel(device_, shaderCode("fitness"), kFitnessBindings, sizeof(FitnessParams),
+    kernel = Kernel(device_, volume.reader("fitness"), kFitnessBindings, sizeof(FitnessParams),
                     {volume.chunks(), static_cast<std::uint32_t>(loss_), compensate_, last_view != nullptr});
   const FitnessParams params{swarm.world_from_camera,
                              swarm.translation_lengths,

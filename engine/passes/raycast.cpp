@@ -25,7 +25,7 @@ void RaycastPass::record(Recorder& recorder, const VolumeView& volume, const Ray
     kernels.range = Kernel(device_, shaderCode("raycast_range"), kRaycastRangeBindings,
                            sizeof(RaycastRangeParams), {volume.chunks()});
     kernels.cast =
-        Kernel(device_, shaderCode("raycast"), kRaycastBindings, sizeof(RaycastParams), {volume.chunks()});
+        Kernel(device_, volume.reader("raycast"), kRaycastBindings, sizeof(RaycastParams), {volume.chunks()});
   }
   recordRange(recorder, kernels.range, volume, view);
   const int flags =

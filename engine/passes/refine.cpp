@@ -24,7 +24,8 @@ void RefinePass::record(Recorder& recorder, const Volume& volume, const SelectPo
 
   Kernel& kernel = kernels_[volume.chunks()];
   if (!kernel)
-    kernel = Kernel(device_, shaderCode("refine"), kRefineBindings, sizeof(RefineParams), {volume.chunks()});
+    kernel =
+        Kernel(device_, volume.reader("refine"), kRefineBindings, sizeof(RefineParams), {volume.chunks()});
   const RefineParams params{weights.huber, weights.noise.floor, weights.noise.growth, parts_,
                             glm::ivec4(last_size, 0, 0)};
   const Buffer* buffers[kRefineBindings] = {&volume.layoutBuffer(), &volume.table()};

@@ -4,6 +4,7 @@
 #include "engine/recorder.h"
 #include "engine/reflection.h"
 #include "shaders/compute/interface/fitness.h"
+#include "shaders/compute/interface/refine.h"
 #include "shaders/compute/interface/sum_check.h"
 #include "tests/engine/validating_device.h"
 
@@ -11,6 +12,8 @@ namespace rosefusion::testing {
 namespace {
 
 using shader::FitnessParams;
+using shader::kRefineBindings;
+using shader::RefineParams;
 using shader::SumCheckParams;
 
 class Kernels : public ValidatingDevice {};
@@ -20,13 +23,14 @@ TEST_F(Kernels, EveryShaderIsBuiltWithItsOwnInterface) {
   for (const ShaderCode& code : allShaders()) {
     SCOPED_TRACE(code.name);
     const ShaderInterface shader = reflect(code);
-    const auto bindings = static_cast<std::uint32_t>(shader.storage_bindings.size());
+    const auto bindings =
+        static_cast<std::uint32_t>(shader.storage_bindings.size() + shader.texel_bindings.size());
     EXPECT_GT(bindings, 0u);
     EXPECT_TRUE(Kernel(device(), code, bindings, shader.push.bytes));
     for (const std::uint32_t wrong : {bindings - 1, bindings + 1, 0u})
       EXPECT_TRUE(throwsDeviceError([&] { Kernel(device(), code, wrong, shader.push.bytes); },
                                     DeviceErrorCode::Programming,
-                                    {"storage bindings", std::string(code.name).c_str()}));
+                                    {"buffer bindings", std::string(code.name).c_str()}));
     for (const std::uint32_t wrong : {shader.push.bytes + 4, shader.push.bytes + 16, 0u})
       EXPECT_TRUE(throwsDeviceError([&] { Kernel(device(), code, bindings, wrong); },
                                     DeviceErrorCode::Programming,
@@ -82,6 +86,20 @@ TEST_F(Recording, WrongBuffersAndConstantsAreRefused) {
   EXPECT_TRUE(refused([&] { recorder_->dispatch(kernel_, {&input_, &empty}, SumCheckParams{0, 1}, {1}); }));
   EXPECT_TRUE(refused([&] { recorder_->dispatch(kernel_, {&input_, nullptr}, SumCheckParams{0, 1}, {1}); }));
   EXPECT_EQ(sumOf(4), 2.0f) << "the recorder is no longer usable";
+}
+
+TEST_F(Recording, AMappedBufferHasNoTexels) {
+  const ShaderCode code = shaderCode("refine_texels");
+  const ShaderInterface shader = reflect(code);
+  ASSERT_FALSE(shader.texel_bindings.empty());
+  const Kernel reader(device(), code,
+                      std::uint32_t(shader.storage_bindings.size() + shader.texel_bindings.size()),
+                      sizeof(RefineParams));
+  const std::vector<const Buffer*> buffers(kRefineBindings, &input_);
+  const RefineParams params{};
+  EXPECT_TRUE(
+      throwsDeviceError([&] { recorder_->dispatchBytes(reader, buffers, &params, sizeof(params), {1}); },
+                        DeviceErrorCode::Programming, {"refine", "texels"}));
 }
 
 TEST_F(Recording, CopiesAndFillsStayInsideTheirBuffers) {

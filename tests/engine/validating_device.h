@@ -14,9 +14,13 @@
 namespace rosefusion::testing {
 
 /// $ROSEFUSION_DEVICE, else Mesa's software device, so that results do not depend on the machine.
+/// $ROSEFUSION_TEST_MAX_TEXELS, when set: as on a device with so small texel buffers.
 inline DeviceOptions deviceUnderTest() {
   const char* chosen = std::getenv("ROSEFUSION_DEVICE");
-  return {.select = chosen ? chosen : "llvmpipe", .validation = true};
+  const char* texels = std::getenv("ROSEFUSION_TEST_MAX_TEXELS");
+  return {.select = chosen ? chosen : "llvmpipe",
+          .validation = true,
+          .limits_at_most = {.max_texels = texels ? std::uint32_t(std::strtoul(texels, nullptr, 10)) : 0}};
 }
 
 class ValidatingDevice : public ::testing::Test {

@@ -13,8 +13,8 @@ Patch patchOf(ivec3 low, ivec3 high) {
   int row = volume.table_size.x, layer = row * volume.table_size.y;
   ivec4 columns = ivec4(a.y * row + a.x, a.y * row + b.x, b.y * row + a.x, b.y * row + b.x);
   ivec4 l = columns + a.z * layer, h = columns + b.z * layer;
-  return Patch(uvec4(page_table[l.x], page_table[l.y], page_table[l.z], page_table[l.w]),
-               uvec4(page_table[h.x], page_table[h.y], page_table[h.z], page_table[h.w]));
+  return Patch(uvec4(tableEntry(l.x), tableEntry(l.y), tableEntry(l.z), tableEntry(l.w)),
+               uvec4(tableEntry(h.x), tableEntry(h.y), tableEntry(h.z), tableEntry(h.w)));
 }
 
 // Values of the 8 voxels around a position.

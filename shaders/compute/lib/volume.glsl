@@ -18,6 +18,19 @@ layout(std430, binding = VOLUME_LAYOUT) readonly restrict buffer LayoutBuffer { 
     if (kPoolChunks == 3u || chunk == 2u) return NAME##_2[word];                             \
     return NAME##_3[word];                                                                   \
   }
+// The same, read only, through texel buffers, which the includer asks for with VOLUME_TEXELS: llvmpipe gathers texels
+// for all lanes at once, where it loads the words of a storage buffer lane by lane.
+#define TEXEL_POOL(NAME, FIRST)                                                    \
+  layout(binding = FIRST) uniform usamplerBuffer NAME##_0;                         \
+  layout(binding = FIRST + 1u) uniform usamplerBuffer NAME##_1;                    \
+  layout(binding = FIRST + 2u) uniform usamplerBuffer NAME##_2;                    \
+  layout(binding = FIRST + 3u) uniform usamplerBuffer NAME##_3;                    \
+  uint NAME##Word(uint chunk, uint word) {                                         \
+    if (kPoolChunks == 1u || chunk == 0u) return texelFetch(NAME##_0, int(word)).x; \
+    if (kPoolChunks == 2u || chunk == 1u) return texelFetch(NAME##_1, int(word)).x; \
+    if (kPoolChunks == 3u || chunk == 2u) return texelFetch(NAME##_2, int(word)).x; \
+    return texelFetch(NAME##_3, int(word)).x;                                      \
+  }
 #define POOL_WRITER(NAME)                                                                    \
   void set##NAME##Word(uint chunk, uint word, uint value) {                                  \
     if (kPoolChunks == 1u || chunk == 0u) NAME##_0[word] = value;                            \
@@ -32,17 +45,27 @@ uint slotInChunk(uint slot) { return kPoolChunks == 1u ? slot : slot & ((1u << u
 float tsdfOf(uint bits16_high) { return max(float(int(bits16_high) >> 16) * (1.0 / 32767.0), -1.0); }
 
 #ifdef VOLUME_TABLE
+#ifdef VOLUME_TEXELS
+layout(binding = VOLUME_TABLE) uniform usamplerBuffer page_table;
+uint tableEntry(int entry) { return texelFetch(page_table, entry).x; }
+#else
 layout(std430, binding = VOLUME_TABLE) readonly restrict buffer TableBuffer { uint page_table[]; };
+uint tableEntry(int entry) { return page_table[entry]; }
+#endif
 
 // Slot of the block at table coordinate `entry`, which must lie inside the table; 0 when absent.
 uint slotAt(ivec3 entry) {
-  return page_table[(entry.z * volume.table_size.y + entry.y) * volume.table_size.x + entry.x];
+  return tableEntry((entry.z * volume.table_size.y + entry.y) * volume.table_size.x + entry.x);
 }
 ivec3 clampToTable(ivec3 entry) { return clamp(entry, ivec3(0), volume.table_size.xyz - 1); }
 #endif
 
 #ifdef VOLUME_TSDF
+#ifdef VOLUME_TEXELS
+TEXEL_POOL(tsdf, VOLUME_TSDF)
+#else
 POOL(tsdf, VOLUME_TSDF)
+#endif
 
 uint tsdfWordInBlock(uint slot, uint word) { return tsdfWord(chunkOf(slot), slotInChunk(slot) * kBlockTsdfWords + word); }
 
