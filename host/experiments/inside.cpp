@@ -135,15 +135,16 @@ void plotEllipsoids(ResultWriter& out, const std::vector<Iteration>& search) {
   }
   out.table("axis_lengths", table);
   Plot plot;
-  plot.width_px = 2000;
-  plot.height_px = 560;
+  plot.width_px = 1500;
+  plot.height_px = 1200;
   plot.commands =
-      "set multiplot layout 1,4\nset key off\nset palette defined (0 \"#10243f\", 0.5 \"#4f9d93\", 1 "
+      "set multiplot layout 2,2\nset key off\nset palette defined (0 \"#10243f\", 0.5 \"#4f9d93\", 1 "
       "\"#f4e9a6\")\nset pm3d "
-      "depthorder\nset view equal xyz\nset view 62,32\nset xyplane at 0\nset border 0\nset grid noxtics "
-      "noytics\nset cblabel "
-      "\"reach in turns (degrees)\" offset 1\nset xlabel \"x (cm)\"\nset ylabel \"y (cm)\"\nset zlabel \"z "
-      "(cm)\"\n"
+      "depthorder\nset view equal xyz\nset view 62,32\nset xyplane relative 0\nset border 127+256+512 "
+      "linecolor "
+      "rgb \"#a0a0a0\"\nset cblabel \"reach in "
+      "turns (degrees)\" offset 1\nset xlabel \"x (cm)\" offset 0,-0.8\nset ylabel \"y (cm)\" offset "
+      "1,-0.5\nset zlabel \"z (cm)\" rotate offset -1\nset xtics offset 0,-0.3\n"
       "set format \"%.2g\"\n";
   int drawn = 0;
   for (const int shown : kShown) {
@@ -167,11 +168,13 @@ void plotEllipsoids(ResultWriter& out, const std::vector<Iteration>& search) {
     plot.tables[file] = surface.plotData();
     const double limit = 105 * r.head<3>().maxCoeff(),
                  most = 2 * std::asin(std::min(1.0, r.tail<3>().maxCoeff()));
+    const int column = (drawn - 1) % 2, row = (drawn - 1) / 2;
     plot.commands += fmt::format(
-        "set title \"pst, iteration {0}\"\nset xrange [-{2}:{2}]\nset yrange [-{2}:{2}]\nset zrange "
-        "[-{2}:{2}]\nset xtics {3}\nset "
-        "ytics {3}\nset ztics {3}\nset cbrange [0:{4}]\nsplot \"{1}\" using 1:2:3:4 with pm3d\n",
-        shown, file, limit, limit / 1.05, most * 180 / std::numbers::pi * 1.05);
+        "set title \"pst, iteration {0}\" offset 0,-1\nset xrange [-{2}:{2}]\nset yrange [-{2}:{2}]\nset "
+        "zrange [-{2}:{2}]\nset xtics {3}\nset ytics {3}\nset ztics {3}\nset cbrange [0:{4}]\nset colorbox "
+        "user origin screen {5},{6} size screen 0.015,0.25\nsplot \"{1}\" using 1:2:3:4 with pm3d\n",
+        shown, file, limit, limit / 1.05, most * 180 / std::numbers::pi * 1.05, 0.41 + 0.5 * column,
+        0.635 - 0.5 * row);
   }
   out.plot("ellipsoids", plot,
            "The template of one frame's search as an ellipsoid of its reach in x, y and z; shades: its reach "
@@ -236,8 +239,9 @@ void plotLandscape(ResultWriter& out, const ExperimentContext& context, const Se
       "|psi|\"\nset grid noxtics noytics\nsplot \"surface.dat\" using 1:2:3 with pm3d nocontour notitle, "
       "\"surface.dat\" using 1:2:3 with lines linecolor rgb "
       "\"#80ffffff\" linewidth 1 nosurface notitle, \"path.dat\" using 1:2:(1) with linespoints linetype 1 "
-      "linecolor rgb \"white\" pointtype 7 pointsize 1.3 linewidth 3 nocontour title \"search (white), from "
-      "the last pose\", "
+      "linecolor rgb \"black\" pointtype 7 pointsize 1.8 linewidth 5 nocontour title \"search, from the last "
+      "pose\", \"path.dat\" using 1:2:(1) with linespoints linetype 1 linecolor rgb \"white\" pointtype 7 "
+      "pointsize 1.2 linewidth 2.5 nocontour notitle, "
       "\"-\" using 1:2:3 with points pointtype 2 pointsize 3 linewidth 3 linecolor rgb \"#c01830\" nocontour "
       "title \"true pose\"\n0 0 1\ne\n",
       reach);

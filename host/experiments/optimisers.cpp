@@ -152,7 +152,7 @@ std::string rowOfPlots(Plot& plot, const std::string& set, const std::string& ti
         "set title {0}\nset key off\nset boxwidth 0.6\nplot \"{1}_{2}.dat\" using 1:4:3:7:6 with "
         "candlesticks linetype 1 "
         "linewidth 1 fillstyle solid 0.25, \"\" using 1:5:5:5:5 with candlesticks linetype 1 linewidth 2\n",
-        plotQuoted(variants[v].name + ": least to most, box: middle half"), set, v);
+        plotQuoted(variants[v].name + ": all, and the middle half"), set, v);
   }
   return commands;
 }
