@@ -67,11 +67,20 @@ void judge(const TrackingSettings& limits, FrameResult& result) {
 }
 
 constexpr double kCloseAmongUsable = 0.75;
+constexpr double kIntrudingWhenFound = 0.5;
+constexpr double kShareOfNext = 0.5;
 constexpr int kConfirmations = 2;  // frames after the one that was found again
 
-/// Whether a pose that was searched in the whole model may be believed: most of the image must lie on it.
-bool confirms(const TrackingSettings& limits, const PoseFit& fit) {
-  return fit.usable >= limits.relocalised_share && fit.close >= kCloseAmongUsable * fit.usable;
+/// Whether at least this share of the image lies on the model and holds the pose in all directions.
+bool holds(const Settings& limits, const PoseFit& fit, double share) {
+  return fit.usable >= share && fit.close >= kCloseAmongUsable * fit.usable &&
+         fit.constraint >= limits.refine.least_constraint;
+}
+
+/// Whether a pose that was searched in the whole model may be believed.
+bool confirms(const Settings& limits, const FrameResult& result, double share) {
+  return holds(limits, *result.fit, share) &&
+         result.intruding <= kIntrudingWhenFound * limits.tracking.intruding_share;
 }
 
 /// A pose whose depth leaves a direction open is held there by the motion model, and may drift.
@@ -100,7 +109,8 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
       recorder_(device),
       volume_(device, volumeOptions(settings)),
       fuser_(makeFuser()),
-      tracker_(device, settings, intrinsics, templatesFor(settings)) {}
+      tracker_(device, settings, intrinsics, templatesFor(settings)),
+      seen_through_(intrinsics, settings.depth, depth_units_per_metre) {}
 
 void Pipeline::changeLive(const Settings& settings) {
   Settings changed = settings_;
@@ -121,23 +131,32 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
   }
   {
     const StageTimer timer(result.milliseconds.track);
-    track(result);
+    track(frame, result);
   }
   if (result.status == TrackingStatus::Lost) {
+    intruded_ = false;
     if (started_) tracker_.lose();
     return result;
   }
-  const bool fuse = result.status != TrackingStatus::Relocalised;
-  if (fuse) {
+  result.fused = result.status != TrackingStatus::Relocalised && !intruded_;
+  if (result.fused) {
     const StageTimer timer(result.milliseconds.integrate);
     integrate(result.world_from_camera);
+    seen_through_.keep(frame.depth, result.world_from_camera);
     started_ = true;
   }
-  tracker_.accept(result.world_from_camera, result.timestamp, fuse);
+  tracker_.accept(result.world_from_camera, result.timestamp, result.fused);
   return result;
 }
 
-void Pipeline::track(FrameResult& result) {
+/// What came before the camera is gone when the image shows the model again; that it is no longer where the
+/// last fused frame looked is not enough.
+bool Pipeline::isIntruded(const FrameResult& result) {
+  if (result.intruding > settings_.tracking.intruding_share) return true;
+  return intruded_ && !(result.fit && confirms(settings_, result, settings_.tracking.relocalised_share));
+}
+
+void Pipeline::track(const Frame& frame, FrameResult& result) {
   result.world_from_camera = tracker_.last();
   result.score = tracker_.score(fuser_.frame(), volume_, tracker_.last());
   if (!started_) {
@@ -151,7 +170,10 @@ void Pipeline::track(FrameResult& result) {
   result.lookups = found.lookups;
   result.fit = found.fit;
   if (tracker_.isLost() || unconfirmed_ > 0) {
-    const bool agrees = confirms(settings_.tracking, *found.fit);
+    result.intruding = seen_through_.shareOfAll(frame.depth, found.world_from_camera);
+    // A frame that agrees with the one found before it may see more that is new.
+    const double share = settings_.tracking.relocalised_share;
+    const bool agrees = confirms(settings_, result, tracker_.isLost() ? share : kShareOfNext * share);
     unconfirmed_ = !agrees ? 0 : tracker_.isLost() ? kConfirmations : unconfirmed_ - 1;
     result.status = agrees ? TrackingStatus::Relocalised : TrackingStatus::Lost;
     result.reason = agrees ? "found again; fused once the next frames agree"
@@ -160,6 +182,17 @@ void Pipeline::track(FrameResult& result) {
     result.score = tracker_.score(fuser_.frame(), volume_, found.world_from_camera);
     judge(settings_.tracking, result);
     judgeConstraint(settings_.refine, result);
+    if (result.status != TrackingStatus::Lost) {
+      result.intruding = seen_through_.shareOfLast(frame.depth, found.world_from_camera);
+      intruded_ = isIntruded(result);
+    }
+    if (intruded_ && result.status != TrackingStatus::Lost) {
+      const bool held =
+          result.fit && holds(settings_, *result.fit, kShareOfNext * settings_.tracking.relocalised_share);
+      result.status = held ? TrackingStatus::Uncertain : TrackingStatus::Lost;
+      result.reason = "something came before the camera (" + percent(result.intruding) + " of the image)" +
+                      (held ? "; not fused until it is gone" : " and hides the scene");
+    }
   }
   if (result.status != TrackingStatus::Lost) result.world_from_camera = found.world_from_camera;
 }
@@ -177,6 +210,7 @@ void Pipeline::fuseFrame(const Frame& frame, const Pose& world_from_camera) {
   fuser_.recordFrame(recorder_, frame);
   recorder_.submit();
   integrate(world_from_camera);
+  seen_through_.keep(frame.depth, world_from_camera);
   accept(world_from_camera, frame.timestamp);
 }
 

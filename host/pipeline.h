@@ -3,6 +3,7 @@
 #include <string>
 
 #include "host/frame_fuser.h"
+#include "host/seen_through.h"
 #include "host/tracker.h"
 
 namespace rosefusion {
@@ -26,6 +27,10 @@ struct FrameResult {
   std::string reason;          ///< plain words; empty when tracked
   PoseScore score;             ///< the numbers behind the status
   std::optional<PoseFit> fit;  ///< and those of the descent, where there was one
+  /// Share of the valid pixels in space that the last fused frame saw to be empty: something has come before
+  /// the camera, or the pose is wrong.
+  double intruding = 0;
+  bool fused = false;
   int iterations = 0;
   std::uint64_t lookups = 0;
   StageMilliseconds milliseconds;
@@ -60,7 +65,8 @@ class Pipeline {
   const Intrinsics& intrinsics() const { return intrinsics_; }
 
  private:
-  void track(FrameResult& result);
+  void track(const Frame& frame, FrameResult& result);
+  bool isIntruded(const FrameResult& result);
   void integrate(const Pose& world_from_camera);
 
   Device& device_;
@@ -71,7 +77,9 @@ class Pipeline {
   Volume volume_;
   FrameFuser fuser_;
   Tracker tracker_;
+  SeenThrough seen_through_;
   bool started_ = false;
+  bool intruded_ = false;
   int unconfirmed_ = 0;  ///< frames that must still agree before frames are fused again
 };
 

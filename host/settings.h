@@ -53,7 +53,8 @@ struct TrackingSettings {
   double uncertain_overlap = 0.3;
   double uncertain_residual = 0.35;
   double lost_residual = 0.6;
-  double relocalised_share = 0.75;
+  double relocalised_share = 0.5;
+  double intruding_share = 1;
 };
 
 /// The descent onto the model's surface. What goes beyond the paper, with method default: starts from a

@@ -145,6 +145,11 @@ std::vector<SettingsField> makeTable() {
       row("tracking.relocalised_share", "", 0, 1,
           "once lost, a pose is believed when this share of the pixels meets the model",
           T(&TrackingSettings::relocalised_share)),
+      row("tracking.intruding_share", "", 0, 1,
+          "a frame is not fused where more of its pixels than this lie in space that the last fused frame "
+          "saw to "
+          "be empty; 1: never asked",
+          T(&TrackingSettings::intruding_share)),
 
       row("refine.coarse_iterations", "", 1, 1000, "most steps of a start's descent",
           R(&RefineSettings::coarse_iterations)),

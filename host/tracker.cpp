@@ -42,7 +42,7 @@ void Tracker::search(const PreprocessPass& frame, const Volume& volume, const Po
 }
 
 bool Tracker::suspicious(double cost) const {
-  if (costs_.empty()) return false;
+  if (costs_.empty()) return true;  // at the start and after a loss, when no motion is known either
   std::vector<double> sorted(costs_.begin(), costs_.end());
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());

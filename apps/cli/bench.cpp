@@ -28,6 +28,7 @@ struct Options {
   double max_speed = SynthOptions{}.linear.high;
   double max_angular = SynthOptions{}.angular.high;
   std::string noise = "handa";
+  std::vector<std::string> disturbances;
   std::vector<CLI::Option*> of_passes, of_tracking;  // options that only one suite knows
 };
 
@@ -62,6 +63,8 @@ void benchTracking(Options& o) {
   t.synth.linear = t.synth.linear.endingAt(o.max_speed);
   t.synth.angular = t.synth.angular.endingAt(o.max_angular);
   t.synth.noise = depthNoiseFrom(o.noise);
+  if (!o.disturbances.empty()) t.disturbances.clear();
+  for (const std::string& word : o.disturbances) t.disturbances.push_back(disturbanceFrom(word));
   Device device({o.device, false});
   std::FILE* out = o.json == "-" ? stderr : stdout;
   const auto say = [&](const std::string& text) {
@@ -126,6 +129,12 @@ void addTrackingOptions(CLI::App& c, Options& o) {
       c.add_option("--noise", o.noise, "Depth noise of the flights (see 'rosefusion synth --help')")
           ->check(CLI::IsMember({"handa", "simkinect", "none"}))
           ->capture_default_str(),
+      c.add_option(
+           "--disturb", o.disturbances,
+           "Cut 30 frames out of the middle of each flight, black out 10, or hold a hand into 30; the "
+           "tracker must be back within 15 frames, end within 2 cm and fuse no wrong frame; may be repeated")
+          ->check(CLI::IsMember({"none", "cut", "black", "hand"}))
+          ->allow_extra_args(false),
       c.add_option("--work", t.work,
                    "Keep the generated sequences here and use them again; else they are removed as it goes")};
   for (CLI::Option* option : o.of_tracking) option->group("--suite tracking");
@@ -159,6 +168,7 @@ void addBenchCommand(CLI::App& app) {
   c->footer(
       "Examples:\n  rosefusion bench\n  rosefusion bench --device cpu --repeat 50 --json bench.json\n"
       "  rosefusion bench --suite tracking --rooms 20 --work out/rooms --json tracking.json\n"
+      "  rosefusion bench --suite tracking --rooms 5 --disturb cut --disturb black --disturb hand\n"
       "  rosefusion bench --suite tracking --rooms 0 --sequence rgbd_dataset_freiburg1_rpy --config paper\n"
       "On a busy machine trust the passes' figures by CPU time (CPU devices only). In the tracking suite a\n"
       "frame without a pose is a failure: its sequence counts as not within 3 cm, whatever its ATE.");

@@ -19,6 +19,14 @@ Json toJson(const TrackedSequence& s) {
                {"within_3cm", s.good()}, {"frames_without_pose", s.lost}, {"ms_per_frame", s.ms_per_frame},
                {"report", s.report}};
   json["report"].erase("device");
+  if (s.recovery) {
+    const bool ever = s.recovery->frames != Recovery::kNever;
+    json["recovery"] = {{"good", s.recovery->good()},
+                        {"possible", s.recovery->possible},
+                        {"frames", ever ? Json(s.recovery->frames) : Json()},
+                        {"wrongly_fused", s.recovery->wrongly_fused},
+                        {"final_error_m", s.recovery->final_error_m}};
+  }
   // Those read most often, not to be looked for among the others.
   for (const char* key : {"tracked", "uncertain", "lost"}) json[key] = s.report.at(key);
   json["ate_rmse_m"] = s.ate_m.rmse;
@@ -68,9 +76,18 @@ std::string trackingHead(const DeviceInfo& device) {
 }
 
 std::string trackingRow(const TrackedSequence& s) {
-  return format("%-24.24s %9.2f %9.2f %9.2f %7zu %9zu %6zu %9.1f %8.2fM%s\n", s.name.c_str(),
+  std::string back;
+  if (s.recovery) {
+    const Recovery& r = *s.recovery;
+    back = !r.possible ? "  view never returns"
+           : r.frames == Recovery::kNever
+               ? "  never back"
+               : format("  back after %zu, ends %.2f cm off", r.frames, 100 * r.final_error_m);
+    if (r.wrongly_fused) back += format(", %zu fused wrongly", r.wrongly_fused);
+  }
+  return format("%-24.24s %9.2f %9.2f %9.2f %7zu %9zu %6zu %9.1f %8.2fM%s%s\n", s.name.c_str(),
                 100 * s.ate_m.rmse, 100 * s.ate_m.max, 100 * s.te_m.rmse, s.frames, s.uncertain, s.lost,
-                s.ms_per_frame, 1e-6 * s.lookups_per_frame, s.good() ? "" : "  FAILED");
+                s.ms_per_frame, 1e-6 * s.lookups_per_frame, back.c_str(), s.good() ? "" : "  FAILED");
 }
 
 std::string trackingSummary(const TrackingReport& r) {

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -40,6 +42,29 @@ struct Flight {
   std::string name;
   SynthOptions synth;
 };
+
+Recovery recoveryOf(const RunSummary& summary, const std::optional<TrajectoryErrors>& errors,
+                    double view_returns) {
+  Recovery out;
+  out.possible = std::isfinite(view_returns);
+  std::size_t after = 0;
+  for (const RunFrame& frame : summary.frames) {
+    const double stamp = frame.result.timestamp;
+    const FrameError* error = nullptr;
+    if (errors)
+      for (const FrameError& e : errors->per_frame)
+        if (std::abs(e.poses.timestamp - stamp) < 1e-6) error = &e;
+    const TrackingStatus status = frame.result.status;
+    const bool posed = !frame.skipped && status != TrackingStatus::Lost && error;
+    const bool good = posed && error->ate_m <= kGoodFrame_m;
+    out.wrongly_fused += frame.result.fused && !good;
+    out.final_error_m = posed ? error->ate_m : std::numeric_limits<double>::infinity();
+    if (stamp < view_returns) continue;
+    if (good && out.frames == Recovery::kNever) out.frames = after;
+    ++after;
+  }
+  return out;
+}
 
 std::vector<Flight> flightsOf(const TrackingSuiteOptions& options) {
   std::vector<Flight> flights;
@@ -78,7 +103,7 @@ class Suite {
   Suite(Device& device, const TrackingSuiteOptions& options, const std::function<bool()>& stop)
       : device_(device), options_(options), stop_(stop) {}
 
-  std::optional<TrackedSequence> trackGenerated(const Flight& flight) const {
+  std::optional<TrackedSequence> trackGenerated(const Flight& flight, Disturbance disturbance) const {
     std::optional<ScratchFolder> scratch;
     if (options_.work.empty()) scratch.emplace("bench");
     const fs::path folder = (scratch ? scratch->path() : options_.work) / flight.name;
@@ -86,7 +111,10 @@ class Suite {
       const SynthPlan plan(flight.synth);
       if (!holdsText(folder / "synth.json", synthReport(plan))) writeTumSequence(folder, plan, true);
     }
-    return track(flight.name, *openWithTruth(folder, flight.synth.colour), {});
+    const auto sequence = openWithTruth(folder, flight.synth.colour);
+    if (disturbance == Disturbance::kNone) return track(flight.name, *sequence, {});
+    DisturbedSequence disturbed(*sequence, disturbance);
+    return track(flight.name + "+" + toString(disturbance), disturbed, {}, disturbed.viewReturns());
   }
 
   std::optional<TrackedSequence> trackRecorded(const fs::path& path) const {
@@ -99,15 +127,15 @@ class Suite {
 
  private:
   /// Nothing when interrupted.
-  std::optional<TrackedSequence> track(const std::string& name, Sequence& sequence,
-                                       const RunOptions& run) const {
+  std::optional<TrackedSequence> track(const std::string& name, Sequence& sequence, const RunOptions& run,
+                                       std::optional<double> view_returns = {}) const {
     const SequenceInfo& info = sequence.info();
     Pipeline pipeline(device_, options_.settings, info.intrinsics, info.depth_units_per_metre);
     SequenceSource source(sequence, run);
     const RunSummary summary = reconstruct(source, pipeline, 0, {}, stop_);
     if (summary.end == RunEnd::Interrupted) return std::nullopt;
     if (summary.end == RunEnd::DeviceFull) spdlog::warn("{}: {}", name, summary.end_reason);
-    return judge(name, summary, info, source.expectedFrames(), pipeline);
+    return judge(name, summary, info, source.expectedFrames(), pipeline, view_returns);
   }
 
   Device& device_;
@@ -136,7 +164,7 @@ std::size_t TrackingReport::goodSequences() const {
 }
 
 TrackedSequence judge(const std::string& name, const RunSummary& summary, const SequenceInfo& info,
-                      std::size_t frames, Pipeline& pipeline) {
+                      std::size_t frames, Pipeline& pipeline, std::optional<double> view_returns) {
   TrackedSequence out;
   out.name = name;
   out.tracked = summary.count(TrackingStatus::Tracked);
@@ -148,7 +176,9 @@ TrackedSequence judge(const std::string& name, const RunSummary& summary, const 
   };
   out.ms_per_frame = median(out.report.at("milliseconds").at("total"));
   out.lookups_per_frame = median(out.report.at("lookups_per_frame"));
-  if (const auto errors = errorsOf(summary, info)) {
+  const auto errors = errorsOf(summary, info);
+  if (view_returns) out.recovery = recoveryOf(summary, errors, *view_returns);
+  if (errors) {
     out.ate_m = errors->ate_m;
     out.te_m = errors->te_m;
     out.good_frames = static_cast<std::size_t>(
@@ -179,7 +209,8 @@ TrackingReport trackSuite(Device& device, const TrackingSuiteOptions& options,
     return true;
   };
   for (const Flight& flight : flights)
-    if (!add(suite.trackGenerated(flight))) return report;
+    for (const Disturbance disturbance : options.disturbances)
+      if (!add(suite.trackGenerated(flight, disturbance))) return report;
   for (const fs::path& path : options.sequences)
     if (!add(suite.trackRecorded(path))) return report;
   return report;

@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "host/bench/disturbed_sequence.h"
 #include "host/run/report.h"
 #include "host/synth/options.h"
 
@@ -17,8 +19,10 @@ struct TrackingSuiteOptions {
   std::string settings_name;  ///< preset and changes, for the report
   SynthOptions synth;         ///< of every generated sequence; seed and mesh are set for each
   std::uint64_t first_seed = 101;
-  int rooms = 10;                                ///< with the seeds first_seed, first_seed + 1, ...
-  std::filesystem::path mesh_folder;             ///< a flight through each .ply and .obj in it, first_seed
+  int rooms = 10;                     ///< with the seeds first_seed, first_seed + 1, ...
+  std::filesystem::path mesh_folder;  ///< a flight through each .ply and .obj in it, first_seed
+  /// Every generated flight is tracked once with each of these.
+  std::vector<Disturbance> disturbances{Disturbance::kNone};
   std::vector<std::filesystem::path> sequences;  ///< recorded ones
   std::size_t stride = 1;                        ///< of `sequences`: every stride-th frame
   std::filesystem::path work;                    ///< keeps the generated sequences; empty: a temporary folder
@@ -26,6 +30,20 @@ struct TrackingSuiteOptions {
 
 /// A frame is good when its camera position, after alignment, is at most this far from the truth.
 inline constexpr double kGoodFrame_m = 0.03;
+
+/// How tracking came back after a disturbance.
+struct Recovery {
+  static constexpr std::size_t kNever = ~std::size_t(0);
+  static constexpr std::size_t kMostFrames = 15;
+  static constexpr double kFinalError_m = 0.02;
+  bool possible = false;          ///< whether the camera sees again what it saw before
+  std::size_t frames = kNever;    ///< from then until a pose was believed that is good
+  std::size_t wrongly_fused = 0;  ///< frames, in the whole run, that were fused and are not good
+  double final_error_m = 0;       ///< of the last frame; infinite when it was lost
+  bool good() const {
+    return wrongly_fused == 0 && (!possible || (frames <= kMostFrames && final_error_m < kFinalError_m));
+  }
+};
 
 /// One sequence of the suite.
 struct TrackedSequence {
@@ -40,8 +58,10 @@ struct TrackedSequence {
   double lookups_per_frame = 0;   ///< median
   nlohmann::ordered_json report;  ///< reportJson's
 
-  /// No frame was lost and all are good.
-  bool good() const { return frames > 0 && good_frames == frames; }
+  std::optional<Recovery> recovery;  ///< of a disturbed sequence
+
+  /// No frame was lost and all are good; or, after a disturbance, that the tracker came back as it must.
+  bool good() const { return recovery ? recovery->good() : frames > 0 && good_frames == frames; }
 };
 
 struct TrackingReport {
@@ -56,9 +76,10 @@ struct TrackingReport {
   std::size_t goodSequences() const;
 };
 
-/// Sums up one run over a sequence with truth, of which `frames` were to be tracked.
+/// Sums up one run over a sequence with truth, of which `frames` were to be tracked. `view_returns`: see
+/// DisturbedSequence.
 TrackedSequence judge(const std::string& name, const RunSummary& summary, const SequenceInfo& info,
-                      std::size_t frames, Pipeline& pipeline);
+                      std::size_t frames, Pipeline& pipeline, std::optional<double> view_returns = {});
 
 /// Generates (or finds in `work`, when it holds the same sequence), tracks and judges one sequence after the
 /// other; the same options on the same device give the same errors. `done` is told each one's figures, `stop`

@@ -90,7 +90,7 @@ Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& p
 std::string framesCsv(const RunSummary& summary) {
   std::ostringstream out;
   out << "frame,timestamp_s,status,reason,iterations,lookups,residual_truncations,overlap_share,valid_share,"
-         "fit_cost,fit_usable,fit_close,fit_constraint,"
+         "fit_cost,fit_usable,fit_close,fit_constraint,intruding_share,fused,"
          "tx_m,ty_m,tz_m,"
          "qx,qy,qz,qw,total_ms,preprocess_ms,track_ms,integrate_ms\n";
   for (const RunFrame& f : summary.frames) {
@@ -105,6 +105,7 @@ std::string framesCsv(const RunSummary& summary) {
       out << ',' << r.fit->cost << ',' << r.fit->usable << ',' << r.fit->close << ',' << r.fit->constraint;
     else
       out << ",,,,";
+    out << ',' << r.intruding << ',' << (r.fused ? 1 : 0);
     out << ',' << t.x() << ',' << t.y() << ',' << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ','
         << q.w() << std::setprecision(3) << ',' << r.milliseconds.total << ',' << r.milliseconds.preprocess
         << ',' << r.milliseconds.track << ',' << r.milliseconds.integrate << '\n';

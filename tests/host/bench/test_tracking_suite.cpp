@@ -1,6 +1,8 @@
 // The tracking suite on sequences as small as they may be, and how it counts frames that were lost.
 #include <gmock/gmock.h>
 
+#include <limits>
+
 #include "host/bench/tracking_suite.h"
 #include "host/export/mesh_io.h"
 #include "host/synth/tum_writer.h"
@@ -28,7 +30,8 @@ class TrackingSuite : public ValidatingDevice {
   }
 
   /// A run of 10 frames along a line that is exactly right, but for `lost` frames in its middle.
-  TrackedSequence judged(std::size_t lost, double last_off_m = 0, std::size_t frames = 10) {
+  TrackedSequence judged(std::size_t lost, double last_off_m = 0, std::size_t frames = 10,
+                         std::optional<double> view_returns = {}) {
     RunSummary summary;
     SequenceInfo info;
     for (std::size_t i = 0; i < 10; ++i) {
@@ -43,10 +46,11 @@ class TrackingSuite : public ValidatingDevice {
       if (i == 9) frame.result.world_from_camera.translation().z() += last_off_m;
       const bool is_lost = i >= 5 && i < 5 + lost;
       frame.result.status = is_lost ? TrackingStatus::Lost : TrackingStatus::Tracked;
+      frame.result.fused = !is_lost;
       summary.frames.push_back(frame);
     }
     Pipeline pipeline(device(), options_.settings, options_.synth.intrinsics, 5000);
-    return judge("line", summary, info, frames, pipeline);
+    return judge("line", summary, info, frames, pipeline, view_returns);
   }
 
   TrackingSuiteOptions options_;
@@ -129,6 +133,46 @@ TEST_F(TrackingSuite, LostFramesAreFailures) {
   EXPECT_EQ(report.goodSequences(), 1u);
   EXPECT_EQ(trackingJson(report).at("summary").at("frames_without_pose"), 2);
   EXPECT_THAT(trackingSummary(report), HasSubstr("18 of 20 frames within 3 cm, 2 lost"));
+}
+
+TEST_F(TrackingSuite, DisturbedFlightsAreJudgedByHowTheyComeBack) {
+  options_.synth.frames = 90;
+  options_.rooms = 1;
+  options_.disturbances = {Disturbance::kCut, Disturbance::kBlack, Disturbance::kHand};
+  options_.settings = loadSettings("default");
+  options_.settings.volume.colour = false;
+  const TrackingReport report = trackSuite(device(), options_);
+  ASSERT_EQ(report.sequences.size(), 3u);
+  const std::vector<std::pair<std::string, std::size_t>> expected = {
+      {"room_101+cut", 60}, {"room_101+black", 90}, {"room_101+hand", 90}};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const TrackedSequence& s = report.sequences[i];
+    EXPECT_EQ(s.name, expected[i].first);
+    EXPECT_EQ(s.frames, expected[i].second);
+    ASSERT_TRUE(s.recovery);
+    EXPECT_EQ(s.recovery->wrongly_fused, 0u) << s.name;
+    EXPECT_EQ(s.good(), s.recovery->good());
+    EXPECT_EQ(trackingJson(report).at("sequences")[i].at("recovery").at("wrongly_fused"), 0);
+  }
+  EXPECT_GE(report.sequences[1].report.at("lost").get<int>(), 10) << "black frames have no pose";
+  EXPECT_TRUE(report.sequences[1].recovery->possible);
+  EXPECT_TRUE(report.sequences[1].good()) << report.sequences[1].recovery->frames;
+}
+
+TEST_F(TrackingSuite, ComingBackIsCountedFromWhereTheViewReturns) {
+  const auto recovery = [&](double view_returns_at, std::size_t lost, double last_off_m = 0) {
+    return *judged(lost, last_off_m, 10, view_returns_at * kFrame_s).recovery;
+  };
+  EXPECT_EQ(recovery(5, 2).frames, 2u);
+  EXPECT_EQ(recovery(7, 2).frames, 0u);
+  EXPECT_TRUE(recovery(5, 2).good());
+  EXPECT_EQ(recovery(5, 5).frames, Recovery::kNever);
+  EXPECT_FALSE(recovery(5, 5).good());
+  const double never = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(recovery(never, 5).possible);
+  EXPECT_TRUE(recovery(never, 5).good()) << "nothing wrong was fused, and nothing known came into view";
+  EXPECT_GT(recovery(5, 2, 0.5).wrongly_fused, 0u);
+  EXPECT_FALSE(recovery(5, 2, 0.5).good());
 }
 
 TEST_F(TrackingSuite, AFrameFarOffOrNeverReachedIsAFailure) {

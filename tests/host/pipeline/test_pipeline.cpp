@@ -74,6 +74,35 @@ TEST_F(PipelineTest, AfterAFrameWithoutDepthItIsFoundAgainAndFusedOnlyOnceFrames
   EXPECT_NE(pipeline.volume().download().weight, before.weight);
 }
 
+TEST_F(PipelineTest, WithAHandBeforeTheCameraNothingIsFusedUntilItIsGone) {
+  const SynthSequence sequence = makeShortSequence(907, 24);
+  Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
+  VolumeContents before;
+  for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
+    Frame frame = sequence.frames[i];
+    const bool hand = i >= 12 && i < 18;
+    if (i == 12) before = pipeline.volume().download();
+    if (i == 18) {
+      EXPECT_EQ(pipeline.volume().download().weight, before.weight);
+    }
+    if (hand) {
+      frame.depth = frame.depth.clone();
+      frame.depth(cv::Rect(0, 0, frame.depth.cols / 2, frame.depth.rows))
+          .setTo(static_cast<int>(0.35 * sequence.depth_units_per_metre));
+    }
+    const FrameResult result = pipeline.processFrame(frame);
+    if (hand) {
+      EXPECT_NE(result.status, TrackingStatus::Tracked) << "frame " << i;
+    }
+    if (result.status == TrackingStatus::Lost) continue;
+    EXPECT_EQ(result.fused, !hand && result.status != TrackingStatus::Relocalised) << "frame " << i;
+    EXPECT_LT(errorAt(i, result.world_from_camera, sequence), 0.03) << "frame " << i << ": " << result.reason;
+    if (i + 1 == sequence.frames.size()) {
+      EXPECT_EQ(result.status, TrackingStatus::Tracked) << result.reason;
+    }
+  }
+}
+
 TEST_F(PipelineTest, FramesFromAnotherRoomAreLostAndNotFused) {
   const SynthSequence sequence = makeShortSequence(905, 8), other = makeShortSequence(906, 4);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);

@@ -1,0 +1,80 @@
+#include "host/seen_through.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace rosefusion {
+namespace {
+
+constexpr int kStride = 8;      // of the pixels asked about
+constexpr int kKeptStride = 4;  // of those remembered
+// How far before the surface that was seen there something must be, in metres and as a share of its depth.
+constexpr double kMargin = 0.1, kMarginShare = 0.05;
+// A view is worth keeping where none is within this.
+constexpr double kViewShift = 0.4, kViewTurn = 0.4;
+
+bool isNear(const Pose& a, const Pose& b) {
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(a.linear() * b.linear().transpose()));
+  return (a.translation() - b.translation()).norm() < kViewShift && turn.angle() < kViewTurn;
+}
+
+}  // namespace
+
+double SeenThrough::metresAt(const cv::Mat& depth, int u, int v) const {
+  const double z = depth.at<std::uint16_t>(v, u) / units_;
+  return z >= range_.min && z <= range_.max ? z : 0;
+}
+
+void SeenThrough::keep(const cv::Mat& depth, const Pose& world_from_camera) {
+  cv::Mat small(depth.rows / kKeptStride, depth.cols / kKeptStride, CV_32F);
+  for (int v = 0; v < small.rows; ++v)
+    for (int u = 0; u < small.cols; ++u)
+      small.at<float>(v, u) = static_cast<float>(metresAt(depth, u * kKeptStride, v * kKeptStride));
+  last_ = {small, world_from_camera, world_from_camera.inverse()};
+  if (std::none_of(keyframes_.begin(), keyframes_.end(),
+                   [&](const View& view) { return isNear(view.world_from_camera, world_from_camera); }))
+    keyframes_.push_back(last_);
+}
+
+bool SeenThrough::seesThrough(const View& view, const Eigen::Vector3d& world) const {
+  const Eigen::Vector3d p = view.camera_from_world * world;
+  if (p.z() <= 0) return false;
+  const Eigen::Vector2d pixel = camera_.project(p) / kKeptStride;
+  // The four around it and, a pose being a little wrong, no border.
+  if (!(pixel.x() >= 1 && pixel.y() >= 1 && pixel.x() < view.depth.cols - 2 &&
+        pixel.y() < view.depth.rows - 2))
+    return false;
+  const int u = static_cast<int>(pixel.x()), v = static_cast<int>(pixel.y());
+  const auto at = [&](int x, int y) { return view.depth.at<float>(y, x); };
+  const double nearest = std::min({at(u, v), at(u + 1, v), at(u, v + 1), at(u + 1, v + 1)});
+  return nearest - p.z() > std::max(kMargin, kMarginShare * p.z());
+}
+
+template <typename Test>
+double SeenThrough::shareWhere(const cv::Mat& depth, const Pose& world_from_camera, const Test& test) const {
+  int valid = 0, through = 0;
+  for (int v = kStride / 2; v < depth.rows; v += kStride)
+    for (int u = kStride / 2; u < depth.cols; u += kStride) {
+      const double z = metresAt(depth, u, v);
+      if (z == 0) continue;
+      ++valid;
+      through += test(world_from_camera * camera_.unproject(u, v, z));
+    }
+  return valid ? static_cast<double>(through) / valid : 0;
+}
+
+double SeenThrough::shareOfLast(const cv::Mat& depth, const Pose& world_from_camera) const {
+  if (last_.depth.empty()) return 0;
+  return shareWhere(depth, world_from_camera,
+                    [&](const Eigen::Vector3d& world) { return seesThrough(last_, world); });
+}
+
+double SeenThrough::shareOfAll(const cv::Mat& depth, const Pose& world_from_camera) const {
+  return shareWhere(depth, world_from_camera, [&](const Eigen::Vector3d& world) {
+    return std::any_of(keyframes_.begin(), keyframes_.end(),
+                       [&](const View& view) { return seesThrough(view, world); });
+  });
+}
+
+}  // namespace rosefusion

@@ -1,0 +1,45 @@
+// Tells when something that is not part of the scene comes before the camera, or a pose is wrong: there is a
+// surface where an earlier image showed nothing.
+#pragma once
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "host/camera.h"
+#include "host/settings.h"
+#include "host/trajectory.h"
+
+namespace rosefusion {
+
+/// Remembers the last image, and some 40 kB of every one that shows the scene from elsewhere. One thread.
+class SeenThrough {
+ public:
+  SeenThrough(const Intrinsics& camera, const DepthSettings& range, double depth_units_per_metre)
+      : camera_(camera), range_(range), units_(depth_units_per_metre) {}
+
+  /// Keeps a depth image (as Frame::depth) of the static scene and its pose, to compare later ones with.
+  void keep(const cv::Mat& depth, const Pose& world_from_camera);
+  /// Share of the valid pixels (every 8th is looked at) whose surface lies in space that the last kept image
+  /// saw to be empty. 0 before any is kept.
+  double shareOfLast(const cv::Mat& depth, const Pose& world_from_camera) const;
+  /// The same for all that was kept.
+  double shareOfAll(const cv::Mat& depth, const Pose& world_from_camera) const;
+
+ private:
+  struct View {
+    cv::Mat depth;  ///< CV_32F metres of every 4th pixel; 0 where invalid
+    Pose world_from_camera = Pose::Identity(), camera_from_world = Pose::Identity();
+  };
+  double metresAt(const cv::Mat& depth, int u, int v) const;
+  /// Whether the view shows nothing but surfaces well behind this point, a pixel of its own around.
+  bool seesThrough(const View& view, const Eigen::Vector3d& world) const;
+  template <typename Test>
+  double shareWhere(const cv::Mat& depth, const Pose& world_from_camera, const Test& test) const;
+
+  Intrinsics camera_;
+  DepthSettings range_;
+  double units_;
+  View last_;
+  std::vector<View> keyframes_;
+};
+
+}  // namespace rosefusion
