@@ -8,7 +8,7 @@ foreach(part base swarm settings shaders engine pipeline mesh_extraction embeddi
   list(APPEND objects $<TARGET_OBJECTS:rosefusion_${part}>)
 endforeach()
 # By the names that linkers know: who links the static library needs these files, and none of their headers.
-set(used opencv_core yaml-cpp spirv-cross-c-shared spdlog fmt ${CMAKE_DL_LIBS})
+set(used opencv_core yaml-cpp spirv-cross-c-shared ${CMAKE_DL_LIBS})
 if(BUILD_SHARED_LIBS)
   set(chosen shared)
 else()

@@ -2,16 +2,15 @@
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_vulkan.h>
 #include <imgui.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
 
+#include "apps/guarded_main.h"
 #include "apps/viewer/panels.h"
 #include "apps/viewer/scene.h"
 #include "apps/viewer/window.h"
-#include "engine/error.h"
 #include "host/error.h"
 
 namespace rosefusion::viewer {
@@ -264,18 +263,5 @@ int run(int argc, char** argv) {
 }  // namespace rosefusion::viewer
 
 int main(int argc, char** argv) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("rosefusion-viewer"));
-  spdlog::set_pattern("%^%l%$: %v");
-  try {
-    return rosefusion::viewer::run(argc, argv);
-  } catch (const rosefusion::DeviceError& error) {
-    spdlog::error("{}", error.what());
-    return rosefusion::kExitDevice;
-  } catch (const rosefusion::InputError& error) {
-    spdlog::error("{}", error.what());
-    return rosefusion::kExitBadInput;
-  } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
-    return rosefusion::kExitFailure;
-  }
+  return rosefusion::guardedMain("rosefusion-viewer", [&] { return rosefusion::viewer::run(argc, argv); });
 }

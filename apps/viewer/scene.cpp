@@ -25,13 +25,14 @@ Intrinsics scaled(const Intrinsics& k, double factor) {
 
 }  // namespace
 
-Scene::Scene(Gpu& gpu, Device& device) : gpu_(gpu), device_(device), recorder_(device) {}
+Scene::Scene(Gpu& gpu, Device& device)
+    : gpu_(gpu), device_(device), recorder_(device), kernels_(std::make_shared<RaycastKernels>(device)) {}
 
 Scene::Caster& Scene::casterFor(const Intrinsics& camera) {
   Caster& caster = double(camera.width) * camera.height > kCoarsePixels ? fine_ : coarse_;
   if (caster.pass && caster.camera == camera) return caster;
   caster.camera = camera;
-  caster.pass = std::make_unique<RaycastPass>(device_, toShader(camera), Memory::Device);
+  caster.pass = std::make_unique<RaycastPass>(device_, toShader(camera), Memory::Device, kernels_);
   caster.image = Image(gpu_, camera.width, camera.height, 0);
   return caster;
 }

@@ -38,6 +38,7 @@ class Scene {
   Gpu& gpu_;
   Device& device_;
   Recorder recorder_;
+  std::shared_ptr<RaycastKernels> kernels_;
   Caster coarse_, fine_;
   Caster* shown_ = nullptr;
   Pose shown_pose_ = Pose::Identity();
