@@ -237,10 +237,10 @@ int run(int argc, char** argv) {
   app.add_option("--after-frames", o.after_frames, "Frames before the screenshot")->needs(screenshot);
   app.add_flag("--headless", o.headless, "Without a display; needs --screenshot")->needs(screenshot);
   app.add_option("--width", o.width, "Of the window, pixels")
-      ->check(CLI::Range(900, 4096))
+      ->check(CLI::Range(800, 4096))
       ->capture_default_str();
   app.add_option("--height", o.height, "Of the window, pixels")
-      ->check(CLI::Range(640, 4096))
+      ->check(CLI::Range(600, 4096))
       ->capture_default_str();
   app.add_flag("--validation", o.validation, "Run with the Vulkan validation layer (slow)");
   app.footer(

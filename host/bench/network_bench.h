@@ -14,7 +14,8 @@ struct NetworkReport {
   double compression = 0;  ///< bytes of the images over bytes sent
   double added_ms = 0;     ///< median over the frames: from handing one to the sender to having it received
   double added_p95_ms = 0;
-  double compress_ms = 0;  ///< mean; the sender's part of added_ms
+  double added_cpu_ms = 0;  ///< mean CPU time of both ends together, which other programs hardly change
+  double compress_ms = 0;   ///< mean; the sender's part of added_ms
 };
 
 /// Streams up to `frames` frames, read beforehand, over loopback. Throws InputError when nothing can be read,
