@@ -32,7 +32,7 @@ foreach(kind static shared)
   else()
     target_link_libraries(${library} PRIVATE ${used})
     # Templates of the standard library are weak symbols that hidden visibility does not reach.
-    target_link_options(${library} PRIVATE -Wl,--as-needed
+    target_link_options(${library} PRIVATE -Wl,--as-needed -Wl,--no-undefined
                         "-Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/library.map")
     set_target_properties(${library} PROPERTIES LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/library.map)
   endif()
