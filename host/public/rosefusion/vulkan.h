@@ -89,17 +89,18 @@ struct ViewImages {
 /// Reconstructor, and no slot may be in flight when it is destroyed.
 class ROSEFUSION_API View {
  public:
-  /// `camera`: size and intrinsics of the pictures. Throws Error (BadInput, OutOfMemory).
+  /// `camera`: size and intrinsics of the pictures. Builds the pipelines, which takes the driver a moment.
+  /// Throws Error (BadInput, OutOfMemory).
   View(const Reconstructor& reconstructor, const Camera& camera, std::uint32_t slots = 2);
   ~View();
   View(View&&) noexcept;
   View& operator=(View&&) noexcept;
 
   /// Records into `commands`, a primary command buffer outside of a render pass. Never waits and submits
-  /// nothing; pipelines were built by the constructor, and are built here only after the model has outgrown
-  /// another quarter of what it may become. What was recorded into the same slot before must have completed,
-  /// or never be submitted. The model's memory that the commands read is kept until the slot is recorded
-  /// anew. Throws Error: Misuse for a slot that is none, OutOfMemory.
+  /// nothing. Pipelines are built here, at most three times in all, when the model has outgrown another
+  /// quarter of what it may become. What was recorded into the same slot before must have completed, or never
+  /// be submitted. The model's memory that the commands read is kept until the slot is recorded anew. Throws
+  /// Error: Misuse for a slot that is none, OutOfMemory.
   void record(VkCommandBuffer commands, std::uint32_t slot, const Look& look, const ViewImages& images);
 
  private:
@@ -129,8 +130,9 @@ struct DeviceDepth {
 ///     fusion.recordFusion(commands);                   // submit
 ///
 /// One thread at a time, and no frame of the Reconstructor may be processed from the first recordSearch()
-/// until the last commands have completed. Tracking then goes on from the pose. Must not outlive the
-/// Reconstructor.
+/// until the last commands have completed. Of the members grow() alone waits for the device; grow() and
+/// recordFusion() also wait for a mesh() on another thread. Tracking then goes on from the pose. Must not
+/// outlive the Reconstructor.
 class ROSEFUSION_API Fusion {
  public:
   explicit Fusion(Reconstructor& reconstructor);
