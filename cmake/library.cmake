@@ -8,7 +8,7 @@ foreach(part base swarm settings shaders engine pipeline mesh_extraction embeddi
   list(APPEND objects $<TARGET_OBJECTS:rosefusion_${part}>)
 endforeach()
 # By the names that linkers know: who links the static library needs these files, and none of their headers.
-set(used opencv_core yaml-cpp spirv-cross-c-shared spdlog fmt ${CMAKE_DL_LIBS})
+set(used opencv_core yaml-cpp spirv-cross-c-shared ${CMAKE_DL_LIBS})
 if(BUILD_SHARED_LIBS)
   set(chosen shared)
 else()
@@ -32,7 +32,7 @@ foreach(kind static shared)
   else()
     target_link_libraries(${library} PRIVATE ${used})
     # Templates of the standard library are weak symbols that hidden visibility does not reach.
-    target_link_options(${library} PRIVATE -Wl,--as-needed
+    target_link_options(${library} PRIVATE -Wl,--as-needed -Wl,--no-undefined
                         "-Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/library.map")
     set_target_properties(${library} PROPERTIES LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/library.map)
   endif()

@@ -175,6 +175,27 @@ void Recorder::copyToImage(const Buffer& from, VkImage_T* image, ImageAspect asp
   impl_->barrier();
 }
 
+void Recorder::copyPixels(const DevicePixels& from, const Buffer& to, std::uint32_t width,
+                          std::uint32_t height, std::uint32_t bytes_per_pixel) {
+  const std::uint64_t bytes = std::uint64_t(width) * height * bytes_per_pixel;
+  requireInside(to, 0, bytes);
+  if (!from.buffer && !from.image)
+    throw DeviceError(DeviceErrorCode::Programming, "Pixels on the device need a buffer or an image.");
+  impl_->begin();
+  if (from.buffer) {
+    impl_->commands.copyBuffer(vk::Buffer(from.buffer), *to.impl().buffer,
+                               vk::BufferCopy(from.offset, 0, bytes), impl_->vulkan());
+  } else {
+    const vk::ImageSubresourceLayers layers(vk::ImageAspectFlagBits::eColor, 0, 0, 1);
+    impl_->commands.copyImageToBuffer(
+        vk::Image(from.image),
+        from.general ? vk::ImageLayout::eGeneral : vk::ImageLayout::eTransferSrcOptimal, *to.impl().buffer,
+        vk::BufferImageCopy(0, 0, 0, layers, {}, {width, height, 1}), impl_->vulkan());
+  }
+  impl_->hold({&to});
+  impl_->barrier();
+}
+
 void Recorder::fill(const Buffer& buffer, std::uint32_t word, std::uint64_t offset, std::uint64_t bytes) {
   if (bytes == 0) return;
   requireInside(buffer, offset, bytes);

@@ -8,7 +8,8 @@
 #include "engine/buffer.h"
 #include "engine/kernel.h"
 
-struct VkCommandBuffer_T;  // what Vulkan's handles point to
+struct VkBuffer_T;  // what Vulkan's handles point to
+struct VkCommandBuffer_T;
 struct VkImage_T;
 
 namespace rosefusion {
@@ -22,6 +23,15 @@ struct Threads {
 
 /// Which part of an image a copy writes.
 enum class ImageAspect { Colour, Depth };
+
+/// Pixels that a caller keeps on the device: in `buffer` from `offset` bytes on, row by row without gaps, or,
+/// where that is null, in the colour aspect of `image`.
+struct DevicePixels {
+  VkBuffer_T* buffer = nullptr;
+  std::uint64_t offset = 0;
+  VkImage_T* image = nullptr;
+  bool general = false;  ///< the image is in VK_IMAGE_LAYOUT_GENERAL, else in TRANSFER_SRC_OPTIMAL
+};
 
 /// Commands run in order, each seeing all that the ones before wrote, and all that was submitted to the
 /// Device's queue before. Nothing runs before submit(), or before the caller submits its own command buffer.
@@ -58,6 +68,11 @@ class Recorder {
   /// is recorded on either side.
   void copyToImage(const Buffer& from, VkImage_T* image, ImageAspect aspect, std::uint32_t width,
                    std::uint32_t height, bool general = false);
+
+  /// The other way round; reads in the transfer stage, and records no barrier before. Throws DeviceError
+  /// (Programming) when there is no source or `to` is too small.
+  void copyPixels(const DevicePixels& from, const Buffer& to, std::uint32_t width, std::uint32_t height,
+                  std::uint32_t bytes_per_pixel);
 
   /// Runs what was recorded and waits for its end; mapped buffers then show the results. Throws DeviceError.
   void submit();

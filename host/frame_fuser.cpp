@@ -28,15 +28,24 @@ FrameFuser::FrameFuser(Device& device, const Settings& settings, const Intrinsic
       allocate_(device),
       integrate_(device) {}
 
+template <typename Depth>
+void FrameFuser::recordDepth(Recorder& recorder, const Depth& depth) {
+  preprocess_.record(recorder, depth, static_cast<float>(1 / depth_units_per_metre_),
+                     static_cast<float>(settings_.depth.min), static_cast<float>(settings_.depth.max),
+                     static_cast<float>(settings_.depth.edge_sigmas), toShader(settings_.depth));
+}
+
+void FrameFuser::recordFrame(Recorder& recorder, const DevicePixels& depth) {
+  recordDepth(recorder, depth);
+  preprocess_.clearColour();
+}
+
 void FrameFuser::recordFrame(Recorder& recorder, const Frame& frame) {
   const cv::Mat depth = frame.depth.isContinuous() ? frame.depth : frame.depth.clone();
   if (depth.type() != CV_16UC1 || depth.cols != intrinsics_.width || depth.rows != intrinsics_.height)
     throw InputError("A depth frame must be a 16-bit image of " + std::to_string(intrinsics_.width) + " x " +
                      std::to_string(intrinsics_.height) + " pixels, as the camera was described.");
-  preprocess_.record(recorder, {depth.ptr<std::uint16_t>(), depth.total()},
-                     static_cast<float>(1 / depth_units_per_metre_), static_cast<float>(settings_.depth.min),
-                     static_cast<float>(settings_.depth.max), static_cast<float>(settings_.depth.edge_sigmas),
-                     toShader(settings_.depth));
+  recordDepth(recorder, std::span<const std::uint16_t>(depth.ptr<std::uint16_t>(), depth.total()));
   if (settings_.volume.colour && frame.colour.size() == depth.size() && frame.colour.type() == CV_8UC3)
     preprocess_.setColour(packColour(frame.colour));
   else

@@ -20,6 +20,8 @@ class FrameFuser {
   /// Copies the images at once. Throws InputError for a depth image of another size or type; colour of
   /// another size is left out.
   void recordFrame(Recorder& recorder, const Frame& frame);
+  /// The same of depths that are on the device already, without colour.
+  void recordFrame(Recorder& recorder, const DevicePixels& depth);
   /// Lists the voxel blocks that the frame needs.
   void recordSearch(Recorder& recorder, const Volume& volume, const Pose& world_from_camera);
   /// Gives the volume those blocks; see AllocatePass::finish().
@@ -29,6 +31,9 @@ class FrameFuser {
   const PreprocessPass& frame() const { return preprocess_; }
 
  private:
+  template <typename Depth>
+  void recordDepth(Recorder& recorder, const Depth& depth);
+
   Settings settings_;
   Intrinsics intrinsics_;
   double depth_units_per_metre_;

@@ -1,7 +1,5 @@
 #include "host/pipeline.h"
 
-#include <spdlog/spdlog.h>
-
 #include <chrono>
 #include <cstdio>
 
@@ -25,17 +23,17 @@ VolumeOptions volumeOptions(const Settings& s) {
           static_cast<float>(s.volume.max_weight), s.volume.colour, s.volume.memory_limit_mb << 20};
 }
 
-TemplateSet templatesFor(const Settings& s) {
+TemplateSet templatesFor(const Settings& s, const Log& log) {
   TemplateOptions options;
   options.sizes.clear();
   for (const SwarmLevel& level : s.swarm.levels) options.sizes.push_back(level.particles);
   options.count = s.tracking.templates_per_level;
   options.seed = s.tracking.seed;
-  const auto say_once = [](int done, int) {
-    if (done == 1)
-      spdlog::info("generating the swarm templates, once for this user and these sizes: some 10 s");
+  const auto say_once = [&](int done, int) {
+    if (done == 1 && log)
+      log(Severity::Info, "generating the swarm templates, once for this user and these sizes: some 10 s");
   };
-  return loadOrGenerate(defaultTemplateCache(options), options, say_once);
+  return loadOrGenerate(defaultTemplateCache(options), options, say_once, log);
 }
 
 std::string percent(double share) {
@@ -101,7 +99,7 @@ const char* toString(TrackingStatus status) {
 }
 
 Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& intrinsics,
-                   double depth_units_per_metre)
+                   double depth_units_per_metre, const Log& log)
     : device_(device),
       settings_((requireConsistent(settings), settings)),
       intrinsics_(intrinsics),
@@ -109,7 +107,7 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
       recorder_(device),
       volume_(device, volumeOptions(settings)),
       fuser_(makeFuser()),
-      tracker_(device, settings, intrinsics, templatesFor(settings)),
+      tracker_(device, settings, intrinsics, templatesFor(settings, log)),
       seen_through_(intrinsics, settings.depth, depth_units_per_metre) {}
 
 void Pipeline::changeLive(const Settings& settings) {

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "host/frame_fuser.h"
+#include "host/log.h"
 #include "host/seen_through.h"
 #include "host/tracker.h"
 
@@ -40,8 +41,9 @@ struct FrameResult {
 class Pipeline {
  public:
   /// Throws InputError for settings that do not go together and DeviceError when the device cannot hold them.
+  /// `log` is used until the constructor returns.
   Pipeline(Device& device, const Settings& settings, const Intrinsics& intrinsics,
-           double depth_units_per_metre);
+           double depth_units_per_metre, const Log& log = {});
 
   /// Tracks and fuses one frame (see host/frame.h); colour may be empty. A lost frame is a result and is not
   /// fused. Throws DeviceError (OutOfMemory) when the model outgrows the device: what was fused before stays
@@ -53,8 +55,8 @@ class Pipeline {
   void accept(const Pose& world_from_camera, double timestamp);
   FrameFuser makeFuser() { return {device_, settings_, intrinsics_, depth_units_per_metre_}; }
 
-  /// For displays: called for every iteration of the swarm, from within processFrame().
-  void watchSwarm(SwarmWatcher watcher) { tracker_.watchSwarm(std::move(watcher)); }
+  /// For displays: told of every iteration of a search with particles, from within processFrame().
+  void observe(SearchObserver observer) { tracker_.observe(std::move(observer)); }
   /// Takes over what may change between frames: the limits of tracked, uncertain and lost, and the mesh's
   /// settings (isLiveSetting()). Throws InputError for settings that do not go together.
   void changeLive(const Settings& settings);

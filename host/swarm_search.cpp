@@ -62,7 +62,6 @@ SwarmResult SwarmSearch::search(const PreprocessPass& frame, const Volume& volum
       return moveBy(state.centre, scaledParticle(swarm_template, i, state.axis_lengths));
     };
     if (observer) observer({state, evaluator_.losses(), pose});
-    if (watcher_) watcher_(state, swarm_template, evaluator_.losses());
     result.steps.push_back(
         update(settings_.swarm, state, swarm_template, evaluator_.losses(), evaluator_.counted()));
   }

@@ -1,7 +1,6 @@
 // The random search for a frame's pose: the swarm's losses from the device, its update on the host [Algorithm
 // pfopst].
 #pragma once
-#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -33,11 +32,6 @@ struct SwarmResult {
   std::vector<SwarmStep> steps;
 };
 
-/// Sees each iteration: the swarm as it was evaluated, its template, and the particles' losses (negative: not
-/// counted). Called on the tracking thread; what it is given is good until it returns.
-using SwarmWatcher =
-    std::function<void(const SwarmState& before, const SwarmTemplate&, std::span<const float> losses)>;
-
 /// Owns the swarm templates on the device and the swarm's state from frame to frame. One thread.
 class SwarmSearch {
  public:
@@ -48,7 +42,6 @@ class SwarmSearch {
   /// overlap.
   SwarmResult search(const PreprocessPass& frame, const Volume& volume, const Pose& start, const Pose& last,
                      const SearchObserver& observer = {});
-  void watch(SwarmWatcher watcher) { watcher_ = std::move(watcher); }
   /// The best particle of one wide template around each pose, over every valid pixel of a coarse grid: for
   /// poses that may be far off. Axis lengths in metres and of the quaternion's imaginary part.
   std::vector<ScannedPose> scan(const PreprocessPass& frame, const Volume& volume,
@@ -64,7 +57,6 @@ class SwarmSearch {
   std::vector<std::uint32_t> level_offsets_;  ///< first particle of each level's first template on the device
   ParticleEvaluator evaluator_;
   std::optional<SwarmState> previous_;
-  SwarmWatcher watcher_;
 };
 
 }  // namespace rosefusion

@@ -35,7 +35,7 @@ Tracker::Tracker(Device& device, const Settings& settings, const Intrinsics& int
 
 void Tracker::search(const PreprocessPass& frame, const Volume& volume, const Pose& start,
                      TrackResult& result) {
-  const SwarmResult found = search_.search(frame, volume, start, last_);
+  const SwarmResult found = search_.search(frame, volume, start, last_, observer_);
   result.world_from_camera = found.world_from_camera;
   result.iterations += found.iterations;
   result.lookups += found.lookups;
@@ -50,7 +50,7 @@ bool Tracker::suspicious(double cost) const {
 }
 
 TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, double timestamp) {
-  if (other_method_) return other_method_->track(frame, volume, last_);
+  if (other_method_) return other_method_->track(frame, volume, last_, observer_);
   TrackResult result;
   if (lost_) return relocalise(frame, volume);
   const RefineSettings& s = settings_.refine;
@@ -98,7 +98,7 @@ TrackResult Tracker::relocalise(const PreprocessPass& frame, const Volume& volum
   refiner_.look(frame, settings_.refine.coarse_pixel_stride);
   for (std::size_t i = 0; i < kept; ++i) {
     const Pose& start = scanned[i].world_from_camera;
-    const SwarmResult found = search_.search(frame, volume, start, start);
+    const SwarmResult found = search_.search(frame, volume, start, start, observer_);
     result.iterations += found.iterations;
     result.lookups += found.lookups;
     for (const PoseFit& fit : refiner_.refine(volume, std::vector<Pose>{start, found.world_from_camera},

@@ -21,7 +21,8 @@ class Tracker {
   /// Tells that the last track() found no pose: from now on the whole model is searched.
   void lose();
   bool isLost() const { return lost_; }
-  void watchSwarm(SwarmWatcher watcher) { search_.watch(std::move(watcher)); }
+  /// From now on told of every iteration of the searches with particles.
+  void observe(SearchObserver observer) { observer_ = std::move(observer); }
   /// Fit of the frame at a pose, over the overlap with the last accepted frame; every 8th pixel.
   PoseScore score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera) {
     return search_.score(frame, volume, world_from_camera, last_);
@@ -38,6 +39,7 @@ class Tracker {
   SwarmSearch search_;
   Refiner refiner_;
   std::unique_ptr<PoseMethod> other_method_;  ///< none: the product's own
+  SearchObserver observer_;
   MotionModel motion_;
   std::vector<Pose> keyframes_;  ///< fused poses, spread over the model
   bool lost_ = false;

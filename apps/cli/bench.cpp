@@ -1,13 +1,17 @@
-// rosefusion bench: how fast the passes are on a device beside a CPU loop, or how accurate tracking is.
+// rosefusion bench: how fast the passes are on a device beside a CPU loop, how accurate tracking is, or what
+// the network costs.
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/interrupt.h"
+#include "host/bench/network_bench.h"
 #include "host/bench/pass_bench.h"
 #include "host/bench/tracking_suite.h"
 #include "host/error.h"
@@ -29,7 +33,7 @@ struct Options {
   double max_angular = SynthOptions{}.angular.high;
   std::string noise = "handa";
   std::vector<std::string> disturbances;
-  std::vector<CLI::Option*> of_passes, of_tracking;  // options that only one suite knows
+  std::map<std::string, std::vector<CLI::Option*>> of_suite;  // options that not every suite knows
 };
 
 Settings settingsFor(const Options& o) {
@@ -87,18 +91,29 @@ void benchTracking(Options& o) {
   throw ExitCode(kExitInterrupted);
 }
 
+void benchNetworkOf(Options& o) {
+  if (o.tracking.sequences.size() != 1)
+    throw InputError("--suite network sends one recorded sequence; name it with --sequence.");
+  const auto sequence = openSequence(o.tracking.sequences.front());
+  const NetworkReport report = benchNetwork(*sequence, static_cast<std::size_t>(o.frames.value_or(200)));
+  if (o.json != "-") std::fputs(networkTable(report).c_str(), stdout);
+  writeJson(o.json, networkJson(report).dump(2));
+}
+
 void bench(Options& o) {
-  const bool tracking = o.suite == "tracking";
-  for (const CLI::Option* option : tracking ? o.of_passes : o.of_tracking)
-    if (option->count() > 0)
-      throw InputError(option->get_name() + " belongs to --suite " + (tracking ? "passes" : "tracking") +
-                       "; leave it out, or choose that suite.");
-  tracking ? benchTracking(o) : benchPassesOf(o);
+  const auto& known = o.of_suite[o.suite];
+  for (const auto& [suite, options] : o.of_suite)
+    for (CLI::Option* option : options)
+      if (option->count() > 0 && std::find(known.begin(), known.end(), option) == known.end())
+        throw InputError(option->get_name() + " belongs to --suite " + suite +
+                         "; leave it out, or choose that suite.");
+  if (o.suite == "network") return benchNetworkOf(o);
+  o.suite == "tracking" ? benchTracking(o) : benchPassesOf(o);
 }
 
 void addPassOptions(CLI::App& c, Options& o) {
   const std::string group = "--suite passes";
-  o.of_passes = {
+  o.of_suite["passes"] = {
       c.add_option("--repeat", o.passes.repeat, "Measurements of each figure; the median is reported")
           ->check(CLI::Range(1, 10000))
           ->capture_default_str()
@@ -107,7 +122,7 @@ void addPassOptions(CLI::App& c, Options& o) {
 
 void addTrackingOptions(CLI::App& c, Options& o) {
   TrackingSuiteOptions& t = o.tracking;
-  o.of_tracking = {
+  auto& options = o.of_suite["tracking"] = {
       c.add_option("--rooms", t.rooms, "Flights through generated rooms, one for each seed from --seed on")
           ->check(CLI::Range(0, 100000))
           ->capture_default_str(),
@@ -115,7 +130,7 @@ void addTrackingOptions(CLI::App& c, Options& o) {
           "--meshes", t.mesh_folder,
           "Folder: fly through each .ply and .obj in it as well (closed rooms or buildings in metres)"),
       c.add_option("--sequence", t.sequences,
-                   "Recorded sequence with truth to track as well; may be repeated")
+                   "Recorded sequence with truth to track as well, may be repeated; network: the one to send")
           ->allow_extra_args(false),
       c.add_option("--stride", t.stride, "Take every K-th frame of the recorded sequences")
           ->check(CLI::Range(1, 1000000))
@@ -137,7 +152,8 @@ void addTrackingOptions(CLI::App& c, Options& o) {
           ->allow_extra_args(false),
       c.add_option("--work", t.work,
                    "Keep the generated sequences here and use them again; else they are removed as it goes")};
-  for (CLI::Option* option : o.of_tracking) option->group("--suite tracking");
+  for (CLI::Option* option : options) option->group("--suite tracking");
+  o.of_suite["network"] = {c.get_option("--sequence")};
 }
 
 }  // namespace
@@ -147,10 +163,11 @@ void addBenchCommand(CLI::App& app) {
   CLI::App* c = app.add_subcommand(
       "bench",
       "Time the passes beside a tuned CPU loop over the same data, or measure how accurate tracking is over "
-      "many sequences");
+      "many sequences, or what a network stream costs");
   c->add_option("--suite", o->suite,
-                "What to measure: passes (each compute pass on its own) or tracking (errors over sequences)")
-      ->check(CLI::IsMember({"passes", "tracking"}))
+                "What to measure: passes (each compute pass on its own), tracking (errors over sequences) or "
+                "network (milliseconds and bytes a frame over loopback)")
+      ->check(CLI::IsMember({"passes", "tracking", "network"}))
       ->capture_default_str();
   c->add_option("--config", o->config,
                 "Preset (default, paper) or YAML file; depth alone is fused unless "
@@ -159,7 +176,8 @@ void addBenchCommand(CLI::App& app) {
   c->add_option("--set", o->assignments, "Change one setting: key=value; may be repeated")
       ->allow_extra_args(false);
   c->add_option("--device", o->device, "Device by index, name or type (see 'rosefusion devices')");
-  c->add_option("--frames", o->frames, "Length of a generated sequence [24; tracking: 240]")
+  c->add_option("--frames", o->frames,
+                "Length of a generated sequence [24; tracking: 240], or frames to send [network: 200]")
       ->check(CLI::Range(4, 10000));
   c->add_option("--seed", o->seed, "Of the (first) generated sequence [1; tracking: 101]");
   c->add_option("--json", o->json, "Also write the figures here; '-': standard output");
@@ -170,6 +188,7 @@ void addBenchCommand(CLI::App& app) {
       "  rosefusion bench --suite tracking --rooms 20 --work out/rooms --json tracking.json\n"
       "  rosefusion bench --suite tracking --rooms 5 --disturb cut --disturb black --disturb hand\n"
       "  rosefusion bench --suite tracking --rooms 0 --sequence rgbd_dataset_freiburg1_rpy --config paper\n"
+      "  rosefusion bench --suite network --sequence rgbd_dataset_freiburg1_rpy\n"
       "On a busy machine trust the passes' figures by CPU time (CPU devices only). In the tracking suite a\n"
       "frame without a pose is a failure: its sequence counts as not within 3 cm, whatever its ATE.");
   c->callback([o] { bench(*o); });

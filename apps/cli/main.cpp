@@ -1,13 +1,9 @@
-// rosefusion: the command line. Errors from every subcommand are caught here, once.
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/spdlog.h>
-
+// rosefusion: the command line.
 #include <CLI/CLI.hpp>
-#include <exception>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/exit_code.h"
-#include "engine/error.h"
+#include "apps/guarded_main.h"
 #include "host/error.h"
 
 namespace {
@@ -34,6 +30,8 @@ int runCommandLine(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? rosefusion::kExitOk : rosefusion::kExitBadInput;
+  } catch (const ExitCode& exit) {
+    return exit.code;
   }
   return rosefusion::kExitOk;
 }
@@ -41,21 +39,5 @@ int runCommandLine(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("rosefusion"));
-  spdlog::set_pattern("%^%l%$: %v");
-  try {
-    return runCommandLine(argc, argv);
-  } catch (const rosefusion::cli::ExitCode& exit) {
-    return exit.code;
-  } catch (const rosefusion::DeviceError& error) {
-    spdlog::error("{}", error.what());
-    return error.code() == rosefusion::DeviceErrorCode::Programming ? rosefusion::kExitFailure
-                                                                    : rosefusion::kExitDevice;
-  } catch (const rosefusion::InputError& error) {
-    spdlog::error("{}", error.what());
-    return rosefusion::kExitBadInput;
-  } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
-    return rosefusion::kExitFailure;
-  }
+  return rosefusion::guardedMain("rosefusion", [&] { return runCommandLine(argc, argv); });
 }

@@ -10,6 +10,7 @@
 #include "apps/cli/source_options.h"
 #include "host/error.h"
 #include "host/file_io.h"
+#include "host/log_to_spdlog.h"
 #include "host/run/output.h"
 #include "host/run/report.h"
 
@@ -75,7 +76,7 @@ void run(const Options& o) {
   Device device({o.device, o.validation});
   const std::string count = info.frames ? std::to_string(info.frames) + " frames, " : "";
   spdlog::info("{}: {}{}; on {}", info.path.string(), count, info.format, device.info().name);
-  Pipeline pipeline(device, settings, info.intrinsics, info.depth_units_per_metre);
+  Pipeline pipeline(device, settings, info.intrinsics, info.depth_units_per_metre, logToSpdlog);
 
   catchInterrupts();
   RunSummary summary;

@@ -66,6 +66,12 @@ struct Pipeline {
             options.settings.push_back({py::str(key), py::isinstance<py::bool_>(value)
                                                           ? (value.cast<bool>() ? "true" : "false")
                                                           : std::string(py::str(value))});
+          options.log = [](LogLevel level, const std::string& sentence) {
+            const py::gil_scoped_acquire python;
+            py::module_::import("logging")
+                .attr("getLogger")("rosefusion")
+                .attr(level == LogLevel::Warning ? "warning" : "info")(sentence);
+          };
           const py::gil_scoped_release others_may_run;
           return Reconstructor(intrinsics, options);
         }()) {}

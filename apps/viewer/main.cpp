@@ -2,16 +2,15 @@
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_vulkan.h>
 #include <imgui.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
 
+#include "apps/guarded_main.h"
 #include "apps/viewer/panels.h"
 #include "apps/viewer/scene.h"
 #include "apps/viewer/window.h"
-#include "engine/error.h"
 #include "host/error.h"
 
 namespace rosefusion::viewer {
@@ -238,10 +237,10 @@ int run(int argc, char** argv) {
   app.add_option("--after-frames", o.after_frames, "Frames before the screenshot")->needs(screenshot);
   app.add_flag("--headless", o.headless, "Without a display; needs --screenshot")->needs(screenshot);
   app.add_option("--width", o.width, "Of the window, pixels")
-      ->check(CLI::Range(900, 4096))
+      ->check(CLI::Range(800, 4096))
       ->capture_default_str();
   app.add_option("--height", o.height, "Of the window, pixels")
-      ->check(CLI::Range(640, 4096))
+      ->check(CLI::Range(600, 4096))
       ->capture_default_str();
   app.add_flag("--validation", o.validation, "Run with the Vulkan validation layer (slow)");
   app.footer(
@@ -264,18 +263,5 @@ int run(int argc, char** argv) {
 }  // namespace rosefusion::viewer
 
 int main(int argc, char** argv) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("rosefusion-viewer"));
-  spdlog::set_pattern("%^%l%$: %v");
-  try {
-    return rosefusion::viewer::run(argc, argv);
-  } catch (const rosefusion::DeviceError& error) {
-    spdlog::error("{}", error.what());
-    return rosefusion::kExitDevice;
-  } catch (const rosefusion::InputError& error) {
-    spdlog::error("{}", error.what());
-    return rosefusion::kExitBadInput;
-  } catch (const std::exception& error) {
-    spdlog::error("{}", error.what());
-    return rosefusion::kExitFailure;
-  }
+  return rosefusion::guardedMain("rosefusion-viewer", [&] { return rosefusion::viewer::run(argc, argv); });
 }

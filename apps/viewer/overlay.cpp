@@ -96,6 +96,26 @@ void drawColourBar(const Rectangle& area, double scale) {
   }
 }
 
+/// Where one looks while holding a camera: that it is lost, and what helps.
+void drawLost(const Rectangle& area) {
+  constexpr float kMargin = 14;
+  constexpr std::array<const char*, 2> kLines{"Lost - nothing is added to the model",
+                                              "Point the camera at what it has seen before."};
+  ImFont* large = ImGui::GetIO().Fonts->Fonts.back();
+  const float first = large->FontSize, second = ImGui::GetFontSize();
+  const ImVec2 size = large->CalcTextSizeA(first, 1e9f, 0, kLines[0]),
+               advice = ImGui::GetFont()->CalcTextSizeA(second, 1e9f, 0, kLines[1]);
+  const float width = std::max(size.x, advice.x) + 2 * kMargin, height = size.y + advice.y + 2.5f * kMargin;
+  const float x = float(area.x) + (float(area.width) - width) / 2,
+              y = float(area.y) + 0.14f * float(area.height);
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  list->AddRectFilled({x, y}, {x + width, y + height}, IM_COL32(120, 24, 20, 225), 6);
+  const float middle = x + width / 2;
+  list->AddText(large, first, {middle - size.x / 2, y + kMargin}, IM_COL32_WHITE, kLines[0]);
+  list->AddText(ImGui::GetFont(), second, {middle - advice.x / 2, y + size.y + 1.5f * kMargin},
+                IM_COL32_WHITE, kLines[1]);
+}
+
 }  // namespace
 
 void drawOverlay(const Layout& layout, const Snapshot& snapshot, const ViewCamera& view) {
@@ -112,6 +132,8 @@ void drawOverlay(const Layout& layout, const Snapshot& snapshot, const ViewCamer
   if (view.mode() != ViewMode::FirstPerson)
     drawFrustum(projector, snapshot.last->world_from_camera, snapshot.camera);
   drawColourBar(a, scale);
+  const bool has_model = snapshot.model && snapshot.model->blockCount() > 0;
+  if (snapshot.last->status == TrackingStatus::Lost && has_model) drawLost(a);
   const Rectangle& d = layout.depth;
   if (d.width > 0 && snapshot.depth_number > 0)
     list->AddRect({float(d.x), float(d.y)}, {float(d.x + d.width), float(d.y + d.height)},

@@ -122,7 +122,7 @@ void drawSpeeds(const Snapshot& s, const PanelState& state) {
                 state.draw_milliseconds);
 }
 
-/// The particles of one iteration from above the swarm's first two axes, and its ellipsoid.
+/// The particles of one iteration along the first two axes, and the ellipsoid.
 void drawParticles(const SwarmIteration& iteration) {
   const float side = 150;
   const ImVec2 corner = ImGui::GetCursorScreenPos();
@@ -130,17 +130,19 @@ void drawParticles(const SwarmIteration& iteration) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->AddRectFilled(corner, {corner.x + side, corner.y + side}, IM_COL32(14, 15, 18, 255), 3);
   const ImVec2 centre{corner.x + side / 2, corner.y + side / 2};
-  const double scale = 0.46 * side / std::max({iteration.shift.x(), iteration.shift.y(), 1e-9});
+  double reach = std::max({iteration.shift.x(), iteration.shift.y(), 1e-9});
   float best = 1, worst = 0;
   for (const auto& p : iteration.shown) {
+    reach = std::max({reach, std::abs(p.at.x()), std::abs(p.at.y())});
     best = std::min(best, p.loss);
     worst = std::max(worst, p.loss);
   }
+  const double scale = 0.46 * side / reach;
   list->PushClipRect(corner, {corner.x + side, corner.y + side}, true);
   for (const auto& p : iteration.shown) {
     const float share = worst > best ? (p.loss - best) / (worst - best) : 0;
-    const ImVec2 at{centre.x + static_cast<float>(p.at.x() * iteration.shift.x() * scale),
-                    centre.y + static_cast<float>(p.at.y() * iteration.shift.y() * scale)};
+    const ImVec2 at{centre.x + static_cast<float>(p.at.x() * scale),
+                    centre.y + static_cast<float>(p.at.y() * scale)};
     list->AddCircleFilled(
         at, 1.6f, ImGui::ColorConvertFloat4ToU32({0.25f + 0.75f * share, 0.95f - 0.7f * share, 0.35f, 0.9f}),
         6);

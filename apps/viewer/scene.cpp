@@ -11,10 +11,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kCoarsePixels = 110'000;  // what the software device casts beside tracking in some 20 ms
-constexpr auto kBetweenModels = 250ms;  // a growing model is looked at so often; a moving view, every frame
-constexpr auto kStill = 400ms;          // after which the full resolution is worth its time
-constexpr float kFar = 60;              // metres
+constexpr double kCoarsePixels = 70'000;  // what a software device casts beside tracking in some 15 ms
+constexpr auto kBetweenModels = 250ms;    // a growing model is looked at so often; a moving view, every frame
+constexpr auto kStill = 400ms;            // after which the full resolution is worth its time
+constexpr float kFar = 60;                // metres
 
 Intrinsics scaled(const Intrinsics& k, double factor) {
   const int width = std::max(8, static_cast<int>(k.width * factor)),
@@ -25,13 +25,18 @@ Intrinsics scaled(const Intrinsics& k, double factor) {
 
 }  // namespace
 
-Scene::Scene(Gpu& gpu, Device& device) : gpu_(gpu), device_(device), recorder_(device) {}
+Scene::Scene(Gpu& gpu, Device& device)
+    : gpu_(gpu),
+      device_(device),
+      coarse_pixels_(device.info().type == DeviceType::Cpu ? kCoarsePixels : 1e9),
+      recorder_(device),
+      kernels_(std::make_shared<RaycastKernels>(device)) {}
 
 Scene::Caster& Scene::casterFor(const Intrinsics& camera) {
-  Caster& caster = double(camera.width) * camera.height > kCoarsePixels ? fine_ : coarse_;
+  Caster& caster = double(camera.width) * camera.height > coarse_pixels_ ? fine_ : coarse_;
   if (caster.pass && caster.camera == camera) return caster;
   caster.camera = camera;
-  caster.pass = std::make_unique<RaycastPass>(device_, toShader(camera), Memory::Device);
+  caster.pass = std::make_unique<RaycastPass>(device_, toShader(camera), Memory::Device, kernels_);
   caster.image = Image(gpu_, camera.width, camera.height, 0);
   return caster;
 }
@@ -52,7 +57,7 @@ void Scene::record(VkCommandBuffer commands, const Snapshot& snapshot, const Pos
   const bool moved = !shown_ || !world_from_view.isApprox(shown_pose_, 1e-9) || !(view == shown_view_);
   const bool grown = snapshot.model_number != shown_model_;
   if (moved) last_move_ = now;
-  const double coarse = std::min(1.0, std::sqrt(kCoarsePixels / (double(view.width) * view.height)));
+  const double coarse = std::min(1.0, std::sqrt(coarse_pixels_ / (double(view.width) * view.height)));
   const bool still = snapshot.phase != Phase::Playing && now - last_move_ > kStill;
   const bool is_fine = shown_ && shown_->camera.width == view.width;
   const bool refine = !is_fine && (finest || still);

@@ -37,7 +37,9 @@ class Scene {
 
   Gpu& gpu_;
   Device& device_;
+  double coarse_pixels_;  ///< of a cast that must not take long; a GPU casts all of them in a moment
   Recorder recorder_;
+  std::shared_ptr<RaycastKernels> kernels_;
   Caster coarse_, fine_;
   Caster* shown_ = nullptr;
   Pose shown_pose_ = Pose::Identity();

@@ -26,18 +26,16 @@ cv::Mat colouredDepth(const cv::Mat& depth, double units_per_metre) {
   return rgba;
 }
 
-SwarmIteration iterationOf(const SwarmState& state, const SwarmTemplate& swarm_template,
-                           std::span<const float> losses) {
+SwarmIteration iterationOf(const SearchIteration& seen) {
+  const auto& [state, losses, pose] = seen;
   SwarmIteration out;
   out.likelihood = state.best_likelihood;
   out.shift = state.axis_lengths.head<3>();
   out.turn = state.axis_lengths.tail<3>();
   out.particles = static_cast<int>(losses.size());
   const std::size_t every = std::max<std::size_t>(1, losses.size() / kShownParticles);
-  for (std::size_t i = 0; i < losses.size(); i += every) {
-    const Particle& p = swarm_template.particles[i];
-    if (losses[i] >= 0) out.shown.push_back({{p[0], p[1], p[2]}, losses[i]});
-  }
+  for (std::size_t i = 0; i < losses.size(); i += every)
+    if (losses[i] >= 0) out.shown.push_back({pose(i).translation() - state.centre.translation(), losses[i]});
   return out;
 }
 
@@ -179,11 +177,9 @@ void Session::begin() {
   source_ = openSource(source_name_, options, stop);
   if (!source_) return;
   const SequenceInfo& info = source_->info();
-  pipeline_ = std::make_unique<Pipeline>(device_, settings_, info.intrinsics, info.depth_units_per_metre);
-  pipeline_->watchSwarm(
-      [this](const SwarmState& state, const SwarmTemplate& swarm_template, std::span<const float> losses) {
-        swarm_.push_back(iterationOf(state, swarm_template, losses));
-      });
+  pipeline_ = std::make_unique<Pipeline>(device_, settings_, info.intrinsics, info.depth_units_per_metre,
+                                         [this](Severity, const std::string& sentence) { say(sentence); });
+  pipeline_->observe([this](const SearchIteration& seen) { swarm_.push_back(iterationOf(seen)); });
   update([&](Snapshot& s) {
     s.phase = Phase::Paused;
     s.expected = source_->expectedFrames();

@@ -22,7 +22,7 @@ struct SwarmIteration {
   Eigen::Vector3d shift, turn;  ///< lengths of the ellipsoid's axes: metres, and about radians
   int particles = 0;
   struct Particle {
-    Eigen::Vector3d at;  ///< in the unit ball: multiplied by `shift`
+    Eigen::Vector3d at;  ///< metres from the ellipsoid's centre, world axes
     float loss;          ///< 0 is best
   };
   std::vector<Particle> shown;

@@ -23,7 +23,7 @@ Window::Window(int width, int height) {
     glfwTerminate();
     refuse();
   }
-  glfwSetWindowSizeLimits(window_, 900, 640, GLFW_DONT_CARE, GLFW_DONT_CARE);
+  glfwSetWindowSizeLimits(window_, 800, 600, GLFW_DONT_CARE, GLFW_DONT_CARE);
   glfwSetWindowUserPointer(window_, this);
   glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
     auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));

@@ -20,6 +20,9 @@ class PreprocessPass {
   /// neighbours by more than so many standard deviations of `noise`.
   void record(Recorder& recorder, std::span<const std::uint16_t> raw, float metres_per_unit, float min_depth,
               float max_depth, float edge_sigmas = 0, const SensorNoise& noise = {});
+  /// The same of depths that are on the device already.
+  void record(Recorder& recorder, const DevicePixels& raw, float metres_per_unit, float min_depth,
+              float max_depth, float edge_sigmas = 0, const SensorNoise& noise = {});
   /// `rgb`: one word 0x00BBGGRR per pixel (red in the low byte). Copies at once: call between submits.
   void setColour(std::span<const std::uint32_t> rgb);
 
@@ -30,6 +33,9 @@ class PreprocessPass {
   void clearColour() { has_colour_ = false; }
 
  private:
+  void recordKernel(Recorder& recorder, float metres_per_unit, float min_depth, float max_depth,
+                    float edge_sigmas, const SensorNoise& noise);
+
   Device& device_;
   shader::CameraIntrinsics camera_;
   Kernel kernel_;

@@ -6,11 +6,24 @@ namespace rosefusion {
 
 using namespace shader;
 
-RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera, Memory picture)
+const RaycastKernels::Pair& RaycastKernels::of(const VolumeView& volume) {
+  Pair& pair = pairs_[volume.chunks()];
+  if (!pair.cast) {
+    pair.range = Kernel(device_, shaderCode("raycast_range"), kRaycastRangeBindings,
+                        sizeof(RaycastRangeParams), {volume.chunks()});
+    pair.cast =
+        Kernel(device_, volume.reader("raycast"), kRaycastBindings, sizeof(RaycastParams), {volume.chunks()});
+  }
+  return pair;
+}
+
+RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera, Memory picture,
+                         std::shared_ptr<RaycastKernels> kernels)
     : device_(device),
       camera_(camera),
       tiles_x_((camera.size.x + kRaycastTile - 1) / kRaycastTile),
-      tiles_y_((camera.size.y + kRaycastTile - 1) / kRaycastTile) {
+      tiles_y_((camera.size.y + kRaycastTile - 1) / kRaycastTile),
+      kernels_(kernels ? std::move(kernels) : std::make_shared<RaycastKernels>(device)) {
   const auto pixels = static_cast<std::uint64_t>(camera.size.x) * camera.size.y;
   tiles_ = Buffer(device, sizeof(RaycastTile) * tiles_x_ * tiles_y_, Memory::Device);
   vertices_ = Buffer(device, 16 * pixels, Memory::Device);
@@ -20,13 +33,7 @@ RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera, Memory 
 }
 
 void RaycastPass::record(Recorder& recorder, const VolumeView& volume, const RaycastView& view) {
-  Kernels& kernels = kernels_[volume.chunks()];
-  if (!kernels.cast) {
-    kernels.range = Kernel(device_, shaderCode("raycast_range"), kRaycastRangeBindings,
-                           sizeof(RaycastRangeParams), {volume.chunks()});
-    kernels.cast =
-        Kernel(device_, volume.reader("raycast"), kRaycastBindings, sizeof(RaycastParams), {volume.chunks()});
-  }
+  const RaycastKernels::Pair& kernels = kernels_->of(volume);
   recordRange(recorder, kernels.range, volume, view);
   const int flags =
       (view.colour && volume.options().colour ? kRaycastColoured : 0) | (view.clear ? kRaycastClear : 0);

@@ -1,6 +1,7 @@
 // Pass raycast: the surface that a camera sees, as points, normals and a shaded picture.
 #pragma once
 #include <map>
+#include <memory>
 #include <span>
 
 #include "engine/volume.h"
@@ -21,11 +22,28 @@ struct RaycastView {
   glm::vec4 depth_value{0, 0, 1, 0};
 };
 
+/// The pipelines of the pass, for several of them to share. One thread at a time.
+class RaycastKernels {
+ public:
+  explicit RaycastKernels(Device& device) : device_(device) {}
+  struct Pair {
+    Kernel range, cast;
+  };
+  /// Built when asked for the first time, and for each further pool chunk.
+  const Pair& of(const VolumeView& volume);
+
+ private:
+  Device& device_;
+  std::map<std::uint32_t, Pair> pairs_;  ///< by number of pool chunks
+};
+
 /// One camera for life. Holds the last view's images.
 class RaycastPass {
  public:
-  /// `picture`: where the preview lies; with Memory::Device preview() cannot read it.
-  RaycastPass(Device& device, const shader::CameraIntrinsics& camera, Memory picture = Memory::Readback);
+  /// `picture`: where the preview lies; with Memory::Device preview() cannot read it. `kernels`: null: its
+  /// own.
+  RaycastPass(Device& device, const shader::CameraIntrinsics& camera, Memory picture = Memory::Readback,
+              std::shared_ptr<RaycastKernels> kernels = nullptr);
 
   void record(Recorder& recorder, const VolumeView& volume, const RaycastView& view);
 
@@ -47,10 +65,7 @@ class RaycastPass {
   Device& device_;
   shader::CameraIntrinsics camera_;
   int tiles_x_, tiles_y_;
-  struct Kernels {
-    Kernel range, cast;
-  };
-  std::map<std::uint32_t, Kernels> kernels_;  ///< by number of pool chunks
+  std::shared_ptr<RaycastKernels> kernels_;
   Buffer tiles_, solid_, vertices_, normals_, preview_, depth_;
 };
 

@@ -11,6 +11,7 @@
 #include "engine/passes/raycast.h"
 #include "host/bench/native_fitness.h"
 #include "host/bench/stopwatch.h"
+#include "host/log_to_spdlog.h"
 #include "host/shader_types.h"
 #include "host/swarm/template_sampling.h"
 #include "host/synth/sequence.h"
@@ -40,7 +41,7 @@ std::vector<glm::vec4> templatesFor(const Settings& settings) {
   for (const SwarmLevel& level : settings.swarm.levels) options.sizes.push_back(level.particles);
   options.count = settings.tracking.templates_per_level;
   options.seed = settings.tracking.seed;
-  const TemplateSet set = loadOrGenerate(defaultTemplateCache(options), options);
+  const TemplateSet set = loadOrGenerate(defaultTemplateCache(options), options, {}, logToSpdlog);
   std::vector<glm::vec4> out;
   for (std::size_t level = 0; level < set.levels.size(); ++level)
     for (const Particle& p : set.at(level, 0).particles) {

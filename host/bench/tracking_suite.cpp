@@ -13,6 +13,7 @@
 
 #include "host/error.h"
 #include "host/file_io.h"
+#include "host/log_to_spdlog.h"
 #include "host/synth/tum_writer.h"
 
 namespace rosefusion {
@@ -130,7 +131,7 @@ class Suite {
   std::optional<TrackedSequence> track(const std::string& name, Sequence& sequence, const RunOptions& run,
                                        std::optional<double> view_returns = {}) const {
     const SequenceInfo& info = sequence.info();
-    Pipeline pipeline(device_, options_.settings, info.intrinsics, info.depth_units_per_metre);
+    Pipeline pipeline(device_, options_.settings, info.intrinsics, info.depth_units_per_metre, logToSpdlog);
     SequenceSource source(sequence, run);
     const RunSummary summary = reconstruct(source, pipeline, 0, {}, stop_);
     if (summary.end == RunEnd::Interrupted) return std::nullopt;

@@ -19,6 +19,13 @@ Device openDevice(const VulkanHandles* handles, const Options& options) {
   return handles ? Device(toCallerDevice(*handles)) : Device({.select = options.device});
 }
 
+Log logOf(const Options& options) {
+  if (!options.log) return {};
+  return [&options](Severity severity, const std::string& sentence) {
+    options.log(severity == Severity::Warning ? LogLevel::Warning : LogLevel::Info, sentence);
+  };
+}
+
 double unitsOf(const Camera& camera) {
   if (!(camera.depth_units_per_metre > 0))
     throw Error(Error::Kind::BadInput, "The camera's depth_units_per_metre must be larger than 0.");
@@ -31,7 +38,7 @@ Reconstructor::Impl::Impl(const Camera& camera, const VulkanHandles* handles, co
     : intrinsics(toIntrinsics(camera)),
       queue_length(options.queue_length),
       device(openDevice(handles, options)),
-      pipeline(device, settingsOf(options), intrinsics, unitsOf(camera)),
+      pipeline(device, settingsOf(options), intrinsics, unitsOf(camera), logOf(options)),
       current(pipeline.volume().view()) {}
 
 Reconstructor::Impl::~Impl() {

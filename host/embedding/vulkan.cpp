@@ -41,9 +41,11 @@ View::View(const Reconstructor& reconstructor, const Camera& camera, std::uint32
     : impl_(guarded([&] {
         auto impl = std::make_unique<Impl>(Impl{reconstructor.impl(), toIntrinsics(camera), {}});
         Device& device = impl->owner.device;
+        const auto kernels = std::make_shared<RaycastKernels>(device);
+        kernels->of(impl->owner.view());
         for (std::uint32_t i = 0; i < slots; ++i)
           impl->slots.push_back(
-              {Recorder(device), RaycastPass(device, toShader(impl->camera), Memory::Device)});
+              {Recorder(device), RaycastPass(device, toShader(impl->camera), Memory::Device, kernels)});
         return impl;
       })) {}
 View::~View() = default;
@@ -80,6 +82,17 @@ struct Fusion::Impl {
   FrameFuser fuser;
   double timestamp = 0;
   Matrix world_from_camera = kIdentity;
+
+  template <typename Depth>
+  void recordSearch(VkCommandBuffer commands, const Depth& depth, double stamp, const Matrix& matrix) {
+    owner.requireNothingPushed();
+    const Pose pose = toPose(matrix);
+    timestamp = stamp;
+    world_from_camera = matrix;
+    recorder.recordInto(commands);
+    fuser.recordFrame(recorder, depth);
+    fuser.recordSearch(recorder, owner.pipeline.volume(), pose);
+  }
 };
 
 Fusion::Fusion(Reconstructor& reconstructor)
@@ -94,15 +107,16 @@ Fusion& Fusion::operator=(Fusion&&) noexcept = default;
 void Fusion::recordSearch(VkCommandBuffer commands, const DepthFrame& frame,
                           const Matrix& world_from_camera) {
   guarded([&] {
-    Impl& d = *impl_;
-    d.owner.requireNothingPushed();
-    const Frame copy = copyOf(frame, d.owner.intrinsics);
-    const Pose pose = toPose(world_from_camera);
-    d.timestamp = frame.timestamp;
-    d.world_from_camera = world_from_camera;
-    d.recorder.recordInto(commands);
-    d.fuser.recordFrame(d.recorder, copy);
-    d.fuser.recordSearch(d.recorder, d.owner.pipeline.volume(), pose);
+    impl_->recordSearch(commands, copyOf(frame, impl_->owner.intrinsics), frame.timestamp, world_from_camera);
+  });
+}
+
+void Fusion::recordSearch(VkCommandBuffer commands, const DeviceDepth& depth,
+                          const Matrix& world_from_camera) {
+  guarded([&] {
+    const DevicePixels pixels{depth.buffer, depth.offset, depth.image,
+                              depth.layout == VK_IMAGE_LAYOUT_GENERAL};
+    impl_->recordSearch(commands, pixels, depth.timestamp, world_from_camera);
   });
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "host/log_to_spdlog.h"
 #include "host/shader_types.h"
 
 namespace rosefusion {
@@ -60,7 +61,7 @@ TemplateSet templatesOf(const Settings& settings) {
   for (const SwarmLevel& level : settings.swarm.levels) options.sizes.push_back(level.particles);
   options.count = settings.tracking.templates_per_level;
   options.seed = settings.tracking.seed;
-  return loadOrGenerate(defaultTemplateCache(options), options);
+  return loadOrGenerate(defaultTemplateCache(options), options, {}, logToSpdlog);
 }
 
 /// Least, quartiles and most of what counts.

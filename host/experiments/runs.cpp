@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/file_io.h"
+#include "host/log_to_spdlog.h"
 #include "host/run/report.h"
 
 namespace rosefusion {
@@ -132,7 +133,7 @@ RunRecord trackOnce(const ExperimentContext& context, const std::string& what, c
   }
   const std::shared_ptr<Sequence> sequence = test.open();
   const SequenceInfo& info = sequence->info();
-  Pipeline pipeline(context.device, settings, info.intrinsics, info.depth_units_per_metre);
+  Pipeline pipeline(context.device, settings, info.intrinsics, info.depth_units_per_metre, logToSpdlog);
   SequenceSource source(*sequence, test.run);
   const RunSummary summary = reconstruct(
       source, pipeline, 0, [&](const RunProgress&) { context.progress ? context.progress(1, note) : void(); },

@@ -11,6 +11,7 @@
 #include "host/experiments/families.h"
 #include "host/experiments/quoted.h"
 #include "host/experiments/runs.h"
+#include "host/log_to_spdlog.h"
 #include "host/run/mesh_extraction.h"
 #include "host/run/preview.h"
 
@@ -30,7 +31,8 @@ void reconstructWith(const ExperimentContext& context, const Variant& method, co
                      const std::function<void(Pipeline&, const RunSummary&, const MemorySequence&)>& use) {
   const auto sequence = std::dynamic_pointer_cast<MemorySequence>(test.open());
   const SequenceInfo& info = sequence->info();
-  Pipeline pipeline(context.device, settingsOf(context, method), info.intrinsics, info.depth_units_per_metre);
+  Pipeline pipeline(context.device, settingsOf(context, method), info.intrinsics, info.depth_units_per_metre,
+                    logToSpdlog);
   SequenceSource source(*sequence, test.run);
   const RunSummary summary = reconstruct(
       source, pipeline, 0,

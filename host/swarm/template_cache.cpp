@@ -1,5 +1,4 @@
 #include <fcntl.h>
-#include <spdlog/spdlog.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -36,14 +35,15 @@ class FileLock {
 };
 
 std::optional<TemplateSet> tryRead(const std::filesystem::path& file, const TemplateOptions& options,
-                                   bool warn) {
+                                   const Log& log) {
   if (std::error_code error; !std::filesystem::exists(file, error)) return std::nullopt;
   try {
     TemplateSet set = readTemplates(file);
     if (set.options == options) return set;
-    if (warn) spdlog::warn("{}: holds swarm templates of other options; it is written anew.", file.string());
+    if (log)
+      log(Severity::Warning, file.string() + ": holds swarm templates of other options; it is written anew.");
   } catch (const InputError& error) {
-    if (warn) spdlog::warn("{} It is written anew now.", error.what());
+    if (log) log(Severity::Warning, std::string(error.what()) + " It is written anew now.");
   }
   return std::nullopt;
 }
@@ -69,19 +69,21 @@ std::filesystem::path defaultTemplateCache(const TemplateOptions& options) {
 }
 
 TemplateSet loadOrGenerate(const std::filesystem::path& cache_file, const TemplateOptions& options,
-                           const TemplateProgress& progress) {
+                           const TemplateProgress& progress, const Log& log) {
   if (cache_file.empty()) return generateTemplates(options, progress);
-  if (auto set = tryRead(cache_file, options, false)) return *std::move(set);
+  if (auto set = tryRead(cache_file, options, {})) return *std::move(set);
   std::error_code ignored;  // writing the file says what is wrong with the folder
   std::filesystem::create_directories(cache_file.parent_path(), ignored);
   std::filesystem::path lock_file = cache_file;
   const FileLock lock(lock_file += ".lock");
-  if (auto set = tryRead(cache_file, options, true)) return *std::move(set);
+  if (auto set = tryRead(cache_file, options, log)) return *std::move(set);
   TemplateSet set = generateTemplates(options, progress);
   try {
     writeTemplates(cache_file, set);
   } catch (const InputError& error) {
-    spdlog::warn("{} The swarm templates will be generated again next time.", error.what());
+    if (log)
+      log(Severity::Warning,
+          std::string(error.what()) + " The swarm templates will be generated again next time.");
   }
   return set;
 }

@@ -6,6 +6,8 @@
 #include <functional>
 #include <vector>
 
+#include "host/log.h"
+
 namespace rosefusion {
 
 /// One candidate move in the unit ball of R^6: (x, y, z) in metres, then (qx, qy, qz), the imaginary part of
@@ -53,9 +55,9 @@ TemplateSet generateTemplates(const TemplateOptions& options, const TemplateProg
 std::filesystem::path defaultTemplateCache(const TemplateOptions& options);
 
 /// Reads the cache file when it holds these options; otherwise generates and writes it. A corrupt file or one
-/// that cannot be written costs a warning, never a failure. Processes that need the same missing file wait
-/// for the first of them to write it. An empty path means no cache.
+/// that cannot be written costs a warning to `log`, never a failure. Processes that need the same missing
+/// file wait for the first of them to write it. An empty path means no cache.
 TemplateSet loadOrGenerate(const std::filesystem::path& cache_file, const TemplateOptions& options,
-                           const TemplateProgress& progress = {});
+                           const TemplateProgress& progress = {}, const Log& log = {});
 
 }  // namespace rosefusion

@@ -56,6 +56,10 @@ class Caller {
   std::vector<std::uint32_t> read(VkImage image, VkImageAspectFlags aspect, std::uint32_t width,
                                   std::uint32_t height);
 
+  /// Records an image's barrier between transfers.
+  void transition(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
+                  VkImageLayout to) const;
+
   VkInstance instance = VK_NULL_HANDLE;
   VkPhysicalDevice physical = VK_NULL_HANDLE;
   VkDevice device = VK_NULL_HANDLE;
@@ -65,8 +69,6 @@ class Caller {
  private:
   PFN_vkVoidFunction find(const char* name) const;
   VkDeviceMemory allocateFor(const VkMemoryRequirements& needs, VkMemoryPropertyFlags flags);
-  void transition(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
-                  VkImageLayout to) const;
 
   std::shared_ptr<void> loader_;
   PFN_vkGetInstanceProcAddr get_ = nullptr;

@@ -1,7 +1,10 @@
 """The Python module: the README's quickstart as it stands there, then what it leaves out. test_python.py README"""
+import os
 import re
 import sys
+import tempfile
 import unittest
+from unittest import mock
 
 import numpy as np
 
@@ -67,6 +70,12 @@ class Module(unittest.TestCase):
         wide[:, ::2] = camera.depth_image(0)
         p = pipeline()
         self.assertEqual(p.process(np.ascontiguousarray(wide[:, ::2]), 0.0).status, rosefusion.Status.TRACKED)
+
+    def test_what_the_library_says_goes_to_logging(self):
+        with tempfile.TemporaryDirectory() as empty, mock.patch.dict(os.environ, XDG_CACHE_HOME=empty):
+            with self.assertLogs("rosefusion", "INFO") as log:
+                pipeline()
+        self.assertIn("templates", log.output[0])
 
     def test_mistakes_are_refused_in_words(self):
         p = pipeline()

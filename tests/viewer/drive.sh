@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Uses the viewer as a person does, on a display of its own: open a sequence, step, play, pause, change a setting, save,
-# quit. drive.sh PROGRAM SEQUENCE OUT [ARGUMENTS]; the files it leaves in OUT are looked at by test_viewer.cpp.
+# Uses the viewer as a person does, on a display of its own: open a sequence, step, drag it in, play, pause, change a
+# setting, save, quit. drive.sh PROGRAM DROP SEQUENCE OUT [ARGUMENTS]; DROP: the program of drop.cpp, or empty; the files left
+# in OUT are looked at by test_viewer.cpp.
 set -euo pipefail
 
-program=$1 sequence=$2 out=$3
-shift 3
+program=$1 drop=$2 sequence=$3 out=$4
+shift 4
 mkdir -p "$out"
 exec 3>"$out/display"
 Xvfb -displayfd 3 -screen 0 1280x800x24 >"$out/xvfb.log" 2>&1 &
@@ -74,6 +75,10 @@ press n says ' paused - 2 frames'
 press t test -s "$out/trajectory.txt"
 [[ $(poses) == 2 ]] || fail "two steps gave $(poses) poses"
 rm "$out/trajectory.txt"
+if [[ -n $drop ]]; then
+  "$drop" "$window" "$sequence" || fail "the viewer did not take what was dropped on it"
+  wait_for "the sequence that was dropped" says ' paused - 0 frames'
+fi
 press space says ' - \(playing\|finished\) - '
 wait_for "two more frames" says ' - \([4-9]\|[1-9][0-9]\+\) frames'
 press space says ' - \(paused\|finished\) - '

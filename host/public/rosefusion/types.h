@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -71,11 +72,16 @@ struct Setting {
   std::string value;
 };
 
+enum class LogLevel { Info, Warning };
+
 struct Options {
   std::string preset = "default";  ///< "default", "paper", or the path of a YAML file
   std::vector<Setting> settings;   ///< over the preset, in this order
   std::string device;            ///< index, part of a name or type; empty: $ROSEFUSION_DEVICE, else the best
   std::size_t queue_length = 4;  ///< frames that Reconstructor::push keeps waiting
+  /// Hears one sentence at a time of what is worth knowing beside results and errors, on the constructor's
+  /// thread and before it returns. Empty: silence; the library never writes to standard output or error.
+  std::function<void(LogLevel, const std::string& sentence)> log;
 };
 
 /// The one exception of the library. what() is one sentence that names the cause and the remedy.

@@ -89,21 +89,36 @@ struct ViewImages {
 /// Reconstructor, and no slot may be in flight when it is destroyed.
 class ROSEFUSION_API View {
  public:
-  /// `camera`: size and intrinsics of the pictures. Throws Error (BadInput, OutOfMemory).
+  /// `camera`: size and intrinsics of the pictures. Builds the pipelines, which takes the driver a moment.
+  /// Throws Error (BadInput, OutOfMemory).
   View(const Reconstructor& reconstructor, const Camera& camera, std::uint32_t slots = 2);
   ~View();
   View(View&&) noexcept;
   View& operator=(View&&) noexcept;
 
   /// Records into `commands`, a primary command buffer outside of a render pass. Never waits and submits
-  /// nothing. What was recorded into the same slot before must have completed, or never be submitted. The
-  /// model's memory that the commands read is kept until the slot is recorded anew. Throws Error: Misuse for
-  /// a slot that is none, OutOfMemory.
+  /// nothing. Pipelines are built here, at most three times in all, when the model has outgrown another
+  /// quarter of what it may become. What was recorded into the same slot before must have completed, or never
+  /// be submitted. The model's memory that the commands read is kept until the slot is recorded anew. Throws
+  /// Error: Misuse for a slot that is none, OutOfMemory.
   void record(VkCommandBuffer commands, std::uint32_t slot, const Look& look, const ViewImages& images);
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+};
+
+/// A depth image on the device, with the values of DepthFrame::depth, without colour. It is read by the
+/// commands of Fusion::recordSearch(), with VK_ACCESS_TRANSFER_READ_BIT in VK_PIPELINE_STAGE_TRANSFER_BIT:
+/// the barrier before is the caller's, and it may be overwritten after them.
+struct DeviceDepth {
+  VkBuffer buffer = VK_NULL_HANDLE;  ///< VK_BUFFER_USAGE_TRANSFER_SRC_BIT; row by row without gaps
+  VkDeviceSize offset = 0;           ///< of the first pixel, bytes
+  /// Where `buffer` is null: R16_UINT or R16_UNORM, VK_IMAGE_USAGE_TRANSFER_SRC_BIT, the camera's image in
+  /// its upper left corner.
+  VkImage image = VK_NULL_HANDLE;
+  VkImageLayout layout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;  ///< or GENERAL
+  double timestamp = 0;                                         ///< seconds, growing
 };
 
 /// Fuses frames of known pose in the caller's command buffers, in two steps, because the model's memory grows
@@ -115,8 +130,9 @@ class ROSEFUSION_API View {
 ///     fusion.recordFusion(commands);                   // submit
 ///
 /// One thread at a time, and no frame of the Reconstructor may be processed from the first recordSearch()
-/// until the last commands have completed. Tracking then goes on from the pose. Must not outlive the
-/// Reconstructor.
+/// until the last commands have completed. Of the members grow() alone waits for the device; grow() and
+/// recordFusion() also wait for a mesh() on another thread. Tracking then goes on from the pose. Must not
+/// outlive the Reconstructor.
 class ROSEFUSION_API Fusion {
  public:
   explicit Fusion(Reconstructor& reconstructor);
@@ -127,6 +143,8 @@ class ROSEFUSION_API Fusion {
   /// Records what finds out where the model needs memory for `frame`, whose images are copied. The last
   /// commands of this object must have completed. Throws Error (BadInput) for an image of another size.
   void recordSearch(VkCommandBuffer commands, const DepthFrame& frame, const Matrix& world_from_camera);
+  /// The same of a depth image on the device. Throws Error (Misuse) where there is none.
+  void recordSearch(VkCommandBuffer commands, const DeviceDepth& depth, const Matrix& world_from_camera);
   /// After these commands have completed: gives the model that memory. Submits copies to the queue and waits
   /// for them. True when the search must be recorded and run once more. Throws Error (OutOfMemory); the model
   /// is then as before.

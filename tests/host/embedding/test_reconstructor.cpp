@@ -1,11 +1,13 @@
 // The public class against the pipeline inside: the same poses, blocking or pushed, on a device of its own or
 // on the caller's.
+#include <cstdlib>
 #include <thread>
 
 #include "host/pipeline.h"
 #include "rosefusion/vulkan.h"
 #include "tests/engine/caller.h"
 #include "tests/engine/validating_device.h"
+#include "tests/host/base/temporary_folder.h"
 #include "tests/host/embedding/frames.h"
 
 namespace rosefusion::testing {
@@ -182,6 +184,40 @@ TEST(Standalone, HasADeviceOfItsOwn) {
   EXPECT_FALSE(reconstructor.device().empty());
   options.device = "voodoo";
   EXPECT_TRUE(throwsError([&] { Reconstructor(publicCamera(), options); }, Error::Kind::NoDevice, "voodoo"));
+}
+
+/// Text that the process wrote to standard output and error meanwhile.
+template <typename Action>
+std::string printedBy(Action action) {
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  action();
+  return ::testing::internal::GetCapturedStdout() + ::testing::internal::GetCapturedStderr();
+}
+
+TEST(Standalone, SpeaksToTheCallersLogAndNowhereElse) {
+  const TemporaryFolder cache;
+  const char* before = std::getenv("XDG_CACHE_HOME");
+  const std::string cache_home = before ? before : "";
+  setenv("XDG_CACHE_HOME", cache.path().c_str(), 1);
+  Options options = quickOptions();
+  options.device = "llvmpipe";
+  EXPECT_EQ(printedBy([&] { Reconstructor(publicCamera(), options); }), "") << "templates are generated";
+
+  std::vector<std::pair<LogLevel, std::string>> heard;
+  options.log = [&](LogLevel level, const std::string& sentence) { heard.emplace_back(level, sentence); };
+  const std::filesystem::path file = std::filesystem::directory_iterator(cache / "rosefusion")->path();
+  std::filesystem::resize_file(file.extension() == ".lock" ? file.parent_path() / file.stem() : file, 1000);
+  EXPECT_EQ(printedBy([&] { Reconstructor(publicCamera(), options); }), "") << "a damaged file of templates";
+  ASSERT_EQ(heard.size(), 2u);
+  EXPECT_EQ(heard[0].first, LogLevel::Warning);
+  EXPECT_THAT(heard[0].second, HasSubstr(cache.path().string()));
+  EXPECT_EQ(heard[1].first, LogLevel::Info);
+  EXPECT_THAT(heard[1].second, HasSubstr("generating"));
+  if (cache_home.empty())
+    unsetenv("XDG_CACHE_HOME");
+  else
+    setenv("XDG_CACHE_HOME", cache_home.c_str(), 1);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <thread>
 
 #include "engine/buffer.h"
@@ -106,28 +107,64 @@ TEST_F(EmbeddedVulkan, ViewsAreDrawnWhileFramesAreTracked) {
   EXPECT_LT(differenceFromFirstImage(depthsOf(images)), 0.03);
 }
 
+/// Where a frame was, seen from the first.
+Matrix knownPose(std::size_t frame) {
+  const auto& truth = shortSequence().truth;
+  const Pose pose = truth[0].world_from_camera.inverse() * truth[frame].world_from_camera;
+  Matrix matrix;
+  Eigen::Map<Eigen::Matrix4d>(matrix.data()) = pose.matrix();
+  return matrix;
+}
+
 TEST_F(EmbeddedVulkan, FusionInTheCallersCommandsIsThatOfIntegrate) {
   Reconstructor ours(publicCamera(), handles(), quickOptions()),
       callers(publicCamera(), handles(), quickOptions());
-  for (std::size_t i : {0u, 3u}) {
-    const auto& truth = shortSequence().truth;
-    const Pose pose = truth[0].world_from_camera.inverse() * truth[i].world_from_camera;
-    Matrix matrix;
-    Eigen::Map<Eigen::Matrix4d>(matrix.data()) = pose.matrix();
-    ours.integrate(publicFrame(i), matrix);
-    Fusion fusion(callers);
+  Fusion fusion(callers);
+  const auto fuse = [&](std::size_t i, const auto& depth) {
+    ours.integrate(publicFrame(i), knownPose(i));
     do {
-      caller.frame([&](VkCommandBuffer commands) { fusion.recordSearch(commands, publicFrame(i), matrix); });
+      caller.frame([&](VkCommandBuffer commands) { fusion.recordSearch(commands, depth, knownPose(i)); });
     } while (fusion.grow());
     caller.frame([&](VkCommandBuffer commands) { fusion.recordFusion(commands); });
-  }
+  };
+  fuse(0, publicFrame(0));
+
+  Device device(caller.handles());  // for buffers only
+  constexpr std::size_t kBefore = 8;
+  const auto inBuffer = [&](std::size_t i) {
+    const auto depth = publicFrame(i).depth;
+    Buffer buffer(device, kBefore + depth.size_bytes(), Memory::Upload);
+    std::memcpy(buffer.as<char>().data() + kBefore, depth.data(), depth.size_bytes());
+    return buffer;
+  };
+  const Buffer second = inBuffer(3), third = inBuffer(5);
+  fuse(3, DeviceDepth{.buffer = second.handle(), .offset = kBefore, .timestamp = publicFrame(3).timestamp});
+
+  const auto width = static_cast<std::uint32_t>(publicCamera().width),
+             height = static_cast<std::uint32_t>(publicCamera().height);
+  const VkImage image = caller.makeImage(VK_FORMAT_R16_UINT, VK_IMAGE_ASPECT_COLOR_BIT, width, height);
+  caller.frame([&](VkCommandBuffer commands) {
+    const VkBufferImageCopy whole{kBefore,           0, 0, {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1}, {},
+                                  {width, height, 1}};
+    caller.command<PFN_vkCmdCopyBufferToImage>("vkCmdCopyBufferToImage")(
+        commands, third.handle(), image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &whole);
+    caller.transition(commands, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                      VK_IMAGE_LAYOUT_GENERAL);
+  });
+  fuse(5,
+       DeviceDepth{.image = image, .layout = VK_IMAGE_LAYOUT_GENERAL, .timestamp = publicFrame(5).timestamp});
+  EXPECT_THROW(caller.frame([&](VkCommandBuffer commands) {
+    fusion.recordSearch(commands, DeviceDepth{}, knownPose(6));
+  }),
+               Error);
+
   const Mesh expected = ours.mesh(), found = callers.mesh();
   EXPECT_GT(found.triangles.size(), 1000u);
   EXPECT_EQ(found.vertices, expected.vertices);
   EXPECT_EQ(found.triangles, expected.triangles);
   EXPECT_EQ(callers.trajectory().back().world_from_camera, ours.trajectory().back().world_from_camera);
-  EXPECT_EQ(callers.process(publicFrame(4)).world_from_camera,
-            ours.process(publicFrame(4)).world_from_camera);
+  EXPECT_EQ(callers.process(publicFrame(6)).world_from_camera,
+            ours.process(publicFrame(6)).world_from_camera);
 }
 
 TEST_F(EmbeddedVulkan, TheCallersShaderReadsTheModel) {

@@ -1,0 +1,30 @@
+// Which exit code an exception becomes.
+#include "apps/guarded_main.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "engine/error.h"
+#include "host/error.h"
+
+namespace rosefusion::testing {
+namespace {
+
+template <typename Exception>
+int codeOf(const char* name, const Exception& exception) {
+  ::testing::internal::CaptureStderr();
+  const int code = guardedMain(name, [&]() -> int { throw exception; });
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), ::testing::HasSubstr(exception.what()));
+  return code;
+}
+
+TEST(GuardedMain, TellsDefectsFromBadInputAndDevices) {
+  EXPECT_EQ(guardedMain("ends well", [] { return 7; }), 7);
+  EXPECT_EQ(codeOf("input", InputError("no such folder")), kExitBadInput);
+  EXPECT_EQ(codeOf("device", DeviceError(DeviceErrorCode::DeviceLost, "gone")), kExitDevice);
+  EXPECT_EQ(codeOf("defect", DeviceError(DeviceErrorCode::Programming, "misused")), kExitFailure);
+  EXPECT_EQ(codeOf("other", std::runtime_error("unforeseen")), kExitFailure);
+}
+
+}  // namespace
+}  // namespace rosefusion::testing

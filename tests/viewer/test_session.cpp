@@ -1,0 +1,147 @@
+// The viewer's tracking thread: commands in, snapshots out, while the window goes on drawing.
+#include "apps/viewer/session.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <opencv2/imgcodecs.hpp>
+#include <set>
+#include <thread>
+
+#include "host/synth/tum_writer.h"
+#include "tests/engine/validating_device.h"
+#include "tests/host/base/temporary_folder.h"
+#include "tests/host/pipeline/short_sequence.h"
+
+namespace rosefusion::viewer {
+namespace {
+
+using namespace rosefusion::testing;
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+
+constexpr int kFrames = 12;
+
+class SessionTest : public ::testing::Test {
+ protected:
+  void TearDown() override { EXPECT_THAT(device_.validationMessages(), ::testing::IsEmpty()); }
+  SessionTest() {
+    SynthOptions options;
+    options.seed = 5;
+    options.frames = kFrames;
+    options.intrinsics = {320, 240, 160, 160, 159.5, 119.5};
+    writeTumSequence(folder_ / "sequence", SynthPlan(options), false);
+  }
+  std::string sequence() const { return (folder_ / "sequence").string(); }
+  /// Looks as a window does until `there`, and gives up after a minute.
+  template <typename There>
+  Snapshot watch(There there) {
+    const auto end = std::chrono::steady_clock::now() + 60s;
+    Snapshot seen = session_.snapshot();
+    while (!there(seen) && std::chrono::steady_clock::now() < end) {
+      std::this_thread::sleep_for(5ms);
+      seen = session_.snapshot();
+    }
+    EXPECT_TRUE(there(seen)) << "phase " << toString(seen.phase) << ", " << seen.frames
+                             << " frames: " << seen.message;
+    return seen;
+  }
+  Snapshot idle() {
+    session_.waitUntilIdle();
+    return session_.snapshot();
+  }
+
+  TemporaryFolder folder_;
+  Device device_{deviceUnderTest()};
+  Session session_{device_, quickSettings(), {}};
+};
+
+TEST_F(SessionTest, OpensStepsPlaysPausesAndBeginsAnew) {
+  EXPECT_EQ(session_.snapshot().phase, Phase::Empty);
+  session_.play();  // nothing is open
+  session_.step();
+  EXPECT_EQ(idle().phase, Phase::Empty);
+  session_.open(sequence());
+  EXPECT_EQ(idle().phase, Phase::Paused);
+  session_.step();
+  session_.step();
+  Snapshot seen = idle();
+  EXPECT_EQ(seen.frames, 2u);
+  EXPECT_EQ(seen.expected, std::size_t(kFrames));
+  EXPECT_EQ(seen.path->size(), 2u);
+  EXPECT_FALSE(seen.swarm->empty());
+  EXPECT_GT(seen.model->blockCount(), 100u);
+  EXPECT_FALSE(seen.depth.empty());
+
+  session_.play();
+  watch([](const Snapshot& s) { return s.frames >= 4; });
+  session_.pause();
+  seen = idle();
+  EXPECT_EQ(seen.phase, Phase::Paused);
+  EXPECT_LT(seen.frames, std::size_t(kFrames));
+  const std::uint64_t generation = seen.generation;
+  session_.reset();
+  seen = idle();
+  EXPECT_EQ(seen.frames, 0u);
+  EXPECT_GT(seen.generation, generation);
+  session_.play();
+  seen = watch([](const Snapshot& s) { return s.phase == Phase::Finished; });
+  EXPECT_EQ(seen.frames, std::size_t(kFrames));
+}
+
+TEST_F(SessionTest, ChangesSettingsAtOnceOrWithTheNextReset) {
+  session_.open(sequence());
+  session_.set("tracking.lost_residual", "0.5");
+  EXPECT_FALSE(idle().settings_wait);
+  session_.set("volume.voxel_size", "0.04");
+  EXPECT_TRUE(idle().settings_wait);
+  session_.set("volume.voxel_size", "-1");
+  const Snapshot refused = idle();
+  EXPECT_TRUE(refused.problem);
+  EXPECT_THAT(refused.message, HasSubstr("volume.voxel_size"));
+  EXPECT_EQ(refused.settings.volume.voxel_size, 0.04);
+  session_.reset();
+  EXPECT_FALSE(idle().settings_wait);
+}
+
+TEST_F(SessionTest, SavesFilesAndSaysWhatCannotBe) {
+  session_.open(sequence());
+  session_.saveMesh(folder_ / "mesh.ply");
+  EXPECT_THAT(idle().message, HasSubstr("no surface"));
+  for (int i = 0; i < 4; ++i) session_.step();
+  session_.saveMesh(folder_ / "mesh.ply");
+  EXPECT_THAT(idle().message, HasSubstr("Saved"));
+  session_.saveTrajectory(folder_ / "trajectory.txt");
+  EXPECT_THAT(idle().message, HasSubstr("trajectory.txt"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "mesh.ply"));
+  session_.open("/nowhere");
+  const Snapshot failed = idle();
+  EXPECT_EQ(failed.phase, Phase::Failed);
+  EXPECT_THAT(failed.message, HasSubstr("/nowhere"));
+  session_.open(sequence());
+  EXPECT_EQ(idle().phase, Phase::Paused) << "one bad name is not the end";
+}
+
+TEST_F(SessionTest, ACameraThatIsCoveredIsLostAndComesBack) {
+  int number = 0;
+  for (const auto& entry : std::set<std::filesystem::path>(
+           std::filesystem::directory_iterator(folder_ / "sequence" / "depth"), {})) {
+    if (++number == 6 || number == 7) cv::imwrite(entry.string(), cv::Mat::zeros(240, 320, CV_16UC1));
+  }
+  ASSERT_EQ(number, kFrames);
+  session_.open(sequence());
+  for (int i = 0; i < 6; ++i) session_.step();
+  const Snapshot covered = idle();
+  ASSERT_TRUE(covered.last);
+  EXPECT_EQ(covered.last->status, TrackingStatus::Lost);
+  EXPECT_THAT(covered.last->reason, HasSubstr("valid depth"));
+  EXPECT_EQ(covered.speed, 0);
+  for (int i = 6; i < kFrames; ++i) session_.step();
+  const Snapshot after = idle();
+  EXPECT_NE(after.last->status, TrackingStatus::Lost) << after.last->reason;
+  EXPECT_FALSE(after.path->at(5).connected) << "nobody knows how the camera came here";
+}
+
+}  // namespace
+}  // namespace rosefusion::viewer
