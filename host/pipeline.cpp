@@ -119,6 +119,7 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
     fuser_.recordFrame(recorder_, frame);
     recorder_.submit();
   }
+  tracker_.move(frame.motion);
   {
     const StageTimer timer(result.milliseconds.track);
     track(result);

@@ -38,9 +38,9 @@ class Pipeline {
   Pipeline(Device& device, const Settings& settings, const Intrinsics& intrinsics,
            double depth_units_per_metre);
 
-  /// Tracks and fuses one frame (see host/frame.h); colour may be empty. A lost frame is a result and is not
-  /// fused. Throws DeviceError (OutOfMemory) when the model outgrows the device: what was fused before stays
-  /// whole.
+  /// Tracks and fuses one frame (see host/frame.h); colour and motion may be empty. A lost frame is a result
+  /// and is not fused. Throws DeviceError (OutOfMemory) when the model outgrows the device: what was fused
+  /// before stays whole.
   FrameResult processFrame(const Frame& frame);
   /// Fuses a frame whose pose is known; tracking goes on from there. Throws as processFrame().
   void fuseFrame(const Frame& frame, const Pose& world_from_camera);

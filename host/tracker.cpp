@@ -49,12 +49,26 @@ bool Tracker::suspicious(double cost) const {
   return cost > kSuspiciousFactor * *middle + kSuspiciousExcess;
 }
 
+void Tracker::move(const std::optional<CameraMotion>& motion) {
+  if (!motion) told_.reset();
+  if (!told_) return;
+  told_->last_camera_from_camera = told_->last_camera_from_camera * motion->last_camera_from_camera;
+  told_->has_translation = told_->has_translation && motion->has_translation;
+}
+
+Pose Tracker::asTold(const Pose& otherwise) const {
+  if (!told_) return otherwise;
+  Pose told = last_ * told_->last_camera_from_camera;
+  if (!told_->has_translation) told.translation() = otherwise.translation();
+  return told;
+}
+
 TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, double timestamp) {
   if (other_method_) return other_method_->track(frame, volume, last_);
   TrackResult result;
   if (lost_) return relocalise(frame, volume);
   const RefineSettings& s = settings_.refine;
-  const Pose expected = motion_.predict(timestamp);
+  const Pose predicted = motion_.predict(timestamp), expected = asTold(predicted);
   PoseFit best;
   double best_cost = 2;
   const auto descendFrom = [&](const std::vector<Pose>& starts) {
@@ -70,7 +84,7 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, do
     descendFrom({result.world_from_camera});
   };
   refiner_.look(frame, s.coarse_pixel_stride, last_);
-  descendFrom({expected, last_});
+  descendFrom(told_ ? std::vector<Pose>{expected, last_, predicted} : std::vector<Pose>{expected, last_});
   searchFrom(best.world_from_camera);  // ends after max_empty_sets iterations where nothing better is near
   if (suspicious(best.cost)) {
     searchFrom(expected);
@@ -90,6 +104,7 @@ TrackResult Tracker::relocalise(const PreprocessPass& frame, const Volume& volum
   TrackResult result;
   std::vector<Pose> centres = keyframes_;
   centres.push_back(last_);
+  if (told_) centres.push_back(asTold(last_));
   std::vector<ScannedPose> scanned = search_.scan(frame, volume, centres, kScanShift, kScanTurn);
   for (const ScannedPose& pose : scanned) result.lookups += pose.lookups;
   const std::size_t kept = std::min(kScanKept, scanned.size());
@@ -113,6 +128,7 @@ TrackResult Tracker::relocalise(const PreprocessPass& frame, const Volume& volum
 void Tracker::accept(const Pose& world_from_camera, double timestamp, bool fused) {
   if (lost_) costs_.clear();
   lost_ = false;
+  told_ = CameraMotion{Pose::Identity(), true};
   motion_.add(world_from_camera, timestamp);
   last_ = world_from_camera;
   const auto near = [&](const Pose& keyframe) {

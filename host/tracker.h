@@ -4,6 +4,7 @@
 #pragma once
 #include <deque>
 
+#include "host/frame.h"
 #include "host/motion_model.h"
 #include "host/pose_method.h"
 
@@ -14,6 +15,9 @@ class Tracker {
  public:
   Tracker(Device& device, const Settings& settings, const Intrinsics& intrinsics, TemplateSet templates);
 
+  /// Tells how the camera moved since the frame before, where another sensor knows. Called once for every
+  /// frame: motions add up over frames that were lost, until accept(); one that is unknown ends their sum.
+  void move(const std::optional<CameraMotion>& motion);
   /// Pose of the frame held by `frame`. Call accept() where it is believed.
   TrackResult track(const PreprocessPass& frame, const Volume& volume, double timestamp);
   /// Tells that the frame at `timestamp` has this pose, and whether it was fused.
@@ -33,13 +37,16 @@ class Tracker {
   TrackResult relocalise(const PreprocessPass& frame, const Volume& volume);
   void search(const PreprocessPass& frame, const Volume& volume, const Pose& start, TrackResult& result);
   bool suspicious(double cost) const;
+  /// `otherwise`, with as much of it replaced as the motion told since the last accepted frame knows better.
+  Pose asTold(const Pose& otherwise) const;
 
   const Settings settings_;
   SwarmSearch search_;
   Refiner refiner_;
   std::unique_ptr<PoseMethod> other_method_;  ///< none: the product's own
   MotionModel motion_;
-  std::vector<Pose> keyframes_;  ///< fused poses, spread over the model
+  std::optional<CameraMotion> told_;  ///< since the last accepted frame; see move()
+  std::vector<Pose> keyframes_;       ///< fused poses, spread over the model
   bool lost_ = false;
   std::deque<double> costs_;  ///< of the last frames
   Pose last_ = Pose::Identity();
