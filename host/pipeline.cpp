@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cstdio>
 
+#include "host/error.h"
+
 namespace rosefusion {
 namespace {
 
@@ -100,7 +102,10 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
       recorder_(device),
       volume_(device, volumeOptions(settings)),
       fuser_(makeFuser()),
-      tracker_(device, settings, intrinsics, templatesFor(settings)) {}
+      tracker_(device, settings, intrinsics, templatesFor(settings)) {
+  if (settings.loops.enabled)
+    loops_ = makeLoopCloser(device, settings, intrinsics, depth_units_per_metre, tracker_.templates());
+}
 
 void Pipeline::changeLive(const Settings& settings) {
   Settings changed = settings_;
@@ -126,16 +131,32 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
   }
   if (result.status == TrackingStatus::Lost) {
     if (started_) tracker_.lose();
+    if (loops_) loops_->breakOff();
     return result;
   }
   const bool fuse = result.status != TrackingStatus::Relocalised;
   if (fuse) {
     const StageTimer timer(result.milliseconds.integrate);
-    integrate(result.world_from_camera);
+    fuser_.fuse(recorder_, volume_, result.world_from_camera);
     started_ = true;
   }
   tracker_.accept(result.world_from_camera, result.timestamp, fuse);
+  if (loops_) closeLoops(frame, fuse, result);
   return result;
+}
+
+void Pipeline::closeLoops(const Frame& frame, bool fused, FrameResult& result) {
+  const StageTimer timer(result.milliseconds.loops);
+  result.loop = loops_->add(frame, fuser_.frame(), result.world_from_camera, fused,
+                            result.status == TrackingStatus::Tracked);
+  if (!result.loop) return;
+  loops_->rebuild(volume_);
+  result.world_from_camera = loops_->framePoses().back();
+  tracker_.rebase(result.world_from_camera, loops_->keyframePoses());
+}
+
+void Pipeline::finish() {
+  if (loops_ && loops_->finish()) loops_->rebuild(volume_);
 }
 
 void Pipeline::track(FrameResult& result) {
@@ -165,23 +186,22 @@ void Pipeline::track(FrameResult& result) {
   if (result.status != TrackingStatus::Lost) result.world_from_camera = found.world_from_camera;
 }
 
-void Pipeline::integrate(const Pose& world_from_camera) {
-  do {
-    fuser_.recordSearch(recorder_, volume_, world_from_camera);
-    recorder_.submit();
-  } while (fuser_.grow(volume_));
-  fuser_.recordFusion(recorder_, volume_, world_from_camera);
-  recorder_.submit();
-}
-
 void Pipeline::fuseFrame(const Frame& frame, const Pose& world_from_camera) {
+  requireFixedPoses();
   fuser_.recordFrame(recorder_, frame);
   recorder_.submit();
-  integrate(world_from_camera);
+  fuser_.fuse(recorder_, volume_, world_from_camera);
   accept(world_from_camera, frame.timestamp);
 }
 
+void Pipeline::requireFixedPoses() const {
+  if (loops_)
+    throw InputError(
+        "loops.enabled moves poses, and cannot be on where frames of known pose are fused; leave it off.");
+}
+
 void Pipeline::accept(const Pose& world_from_camera, double timestamp) {
+  requireFixedPoses();
   started_ = true;
   unconfirmed_ = 0;
   tracker_.accept(world_from_camera, timestamp, true);

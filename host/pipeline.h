@@ -3,6 +3,7 @@
 #include <string>
 
 #include "host/frame_fuser.h"
+#include "host/loops/loop_closer.h"
 #include "host/tracker.h"
 
 namespace rosefusion {
@@ -16,6 +17,7 @@ struct StageMilliseconds {
   double preprocess = 0;
   double track = 0;
   double integrate = 0;
+  double loops = 0;
 };
 
 struct FrameResult {
@@ -26,6 +28,8 @@ struct FrameResult {
   std::string reason;          ///< plain words; empty when tracked
   PoseScore score;             ///< the numbers behind the status
   std::optional<PoseFit> fit;  ///< and those of the descent, where there was one
+  std::optional<LoopClosure>
+      loop;  ///< closed at this frame: all earlier poses have changed; see LoopCloser::framePoses()
   int iterations = 0;
   std::uint64_t lookups = 0;
   StageMilliseconds milliseconds;
@@ -42,10 +46,15 @@ class Pipeline {
   /// and is not fused. Throws DeviceError (OutOfMemory) when the model outgrows the device: what was fused
   /// before stays whole.
   FrameResult processFrame(const Frame& frame);
-  /// Fuses a frame whose pose is known; tracking goes on from there. Throws as processFrame().
+  /// Fuses a frame whose pose is known; tracking goes on from there. Throws as processFrame(), and InputError
+  /// with loops.enabled, as accept() does.
   void fuseFrame(const Frame& frame, const Pose& world_from_camera);
   /// Tells that a frame of known pose was fused into volume() by a fuser of the caller's.
   void accept(const Pose& world_from_camera, double timestamp);
+  /// After the last frame, with loops.enabled: all loops are weighed once more. Throws as processFrame().
+  void finish();
+  /// With loops.enabled, null without.
+  const LoopCloser* loops() const { return loops_.get(); }
   FrameFuser makeFuser() { return {device_, settings_, intrinsics_, depth_units_per_metre_}; }
 
   /// For displays: called for every iteration of the swarm, from within processFrame().
@@ -61,7 +70,8 @@ class Pipeline {
 
  private:
   void track(FrameResult& result);
-  void integrate(const Pose& world_from_camera);
+  void closeLoops(const Frame& frame, bool fused, FrameResult& result);
+  void requireFixedPoses() const;
 
   Device& device_;
   Settings settings_;
@@ -71,6 +81,7 @@ class Pipeline {
   Volume volume_;
   FrameFuser fuser_;
   Tracker tracker_;
+  std::unique_ptr<LoopCloser> loops_;  ///< with loops.enabled
   bool started_ = false;
   int unconfirmed_ = 0;  ///< frames that must still agree before frames are fused again
 };

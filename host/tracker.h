@@ -25,6 +25,9 @@ class Tracker {
   /// Tells that the last track() found no pose: from now on the whole model is searched.
   void lose();
   bool isLost() const { return lost_; }
+  /// Tells that the map was corrected: where the last accepted frame and the keyframes are now.
+  void rebase(const Pose& world_from_last, std::span<const Pose> keyframes);
+  const TemplateSet& templates() const { return search_.templates(); }
   void watchSwarm(SwarmWatcher watcher) { search_.watch(std::move(watcher)); }
   /// Fit of the frame at a pose, over the overlap with the last accepted frame; every 8th pixel.
   PoseScore score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera) {
@@ -34,6 +37,7 @@ class Tracker {
   const Pose& last() const { return last_; }
 
  private:
+  void addKeyframe(const Pose& world_from_camera);
   TrackResult relocalise(const PreprocessPass& frame, const Volume& volume);
   void search(const PreprocessPass& frame, const Volume& volume, const Pose& start, TrackResult& result);
   bool suspicious(double cost) const;

@@ -41,8 +41,8 @@ struct DepthFrame {
   std::span<const std::uint16_t> depth;  ///< width x height, row by row; 0 and 65535 are invalid
   double timestamp = 0;                  ///< seconds, growing
   std::span<const std::uint8_t> rgb;     ///< 3 bytes per pixel, registered to the depth; empty: none
-  /// Since the frame handed over before this one, whatever became of that. One more start of the search, which
-  /// a better one may beat; it holds what the depth leaves open. Not read with a tracker.method of the
+  /// Since the frame handed over before this one, whatever became of that. One more start of the search,
+  /// which a better one may beat; it holds what the depth leaves open. Not read with a tracker.method of the
   /// paper's, nor where the pose is known.
   std::optional<MotionPrior> motion;
 };
