@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the Debian or Ubuntu packages that rosefusion needs and that are missing. With --tests: also those of the
-# tests; with --live: those of the viewer, of cameras and of network streams. ROSEFUSION_NO_INSTALL=1 skips all of it, for systems where the libraries come from elsewhere.
+# tests; with --live: those of the viewer, of cameras, of network streams and of loop closure. ROSEFUSION_NO_INSTALL=1 skips all of it, for systems where the libraries come from elsewhere.
 set -euo pipefail
 
 fail() {
@@ -15,7 +15,7 @@ packages=(
   libembree-dev libassimp-dev libcli11-dev libspdlog-dev nlohmann-json3-dev libyaml-cpp-dev libnanoflann-dev
   gnuplot-nox
 )
-live=(libzmq3-dev cppzmq-dev libzstd-dev libopenni2-dev libglfw3-dev libimgui-dev fonts-dejavu-core)
+live=(libzmq3-dev cppzmq-dev libzstd-dev libopenni2-dev libglfw3-dev libimgui-dev fonts-dejavu-core libceres-dev)
 case "${1:-}" in
   "") ;;
   --live) packages+=("${live[@]}") ;;

@@ -225,6 +225,17 @@ void Volume::addBlocks(std::vector<std::uint32_t> entries) {
   uploadTable();
 }
 
+void Volume::clear() {
+  for (std::uint32_t chunk = 0; chunk < chunks_; ++chunk)
+    for (int kind = 0; kind < (options_.colour ? 3 : 2); ++kind)
+      recorder_.fill(pools_[kind][chunk], kEmptyWord[kind], 0, pools_[kind][chunk].bytes());
+  recorder_.submit();
+  blocks_.resize(1);
+  block_count_ = 0;
+  std::fill(table_mirror_.begin(), table_mirror_.end(), 0);
+  uploadTable();
+}
+
 void Volume::visibleBlocks(const glm::mat4& camera_from_world, glm::vec4 focal_centre, glm::ivec4 size,
                            float far, std::vector<std::uint32_t>& slots) const {
   const float side = kBlockSide * options_.voxel_size;

@@ -87,6 +87,8 @@ class Volume : public VolumeView {
   void addBlocks(std::vector<std::uint32_t> entries);
   /// Takes back all kRequested marks that were given no slot.
   void clearRequests();
+  /// Forgets all blocks; the pools stay. Views of it read what is fused next.
+  void clear();
   /// Slots whose block may be seen by the camera: in front of it, inside its image, nearer than `far`.
   void visibleBlocks(const glm::mat4& camera_from_world, glm::vec4 focal_centre, glm::ivec4 size, float far,
                      std::vector<std::uint32_t>& slots) const;

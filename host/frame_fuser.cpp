@@ -62,4 +62,13 @@ void FrameFuser::recordFusion(Recorder& recorder, const Volume& volume, const Po
       static_cast<float>(settings_.depth.max + settings_.volume.truncation), toShader(settings_.depth));
 }
 
+void FrameFuser::fuse(Recorder& recorder, Volume& volume, const Pose& world_from_camera) {
+  do {
+    recordSearch(recorder, volume, world_from_camera);
+    recorder.submit();
+  } while (grow(volume));
+  recordFusion(recorder, volume, world_from_camera);
+  recorder.submit();
+}
+
 }  // namespace rosefusion

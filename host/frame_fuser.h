@@ -27,6 +27,8 @@ class FrameFuser {
   /// Gives the volume those blocks; see AllocatePass::finish().
   bool grow(Volume& volume) { return allocate_.finish(volume); }
   void recordFusion(Recorder& recorder, const Volume& volume, const Pose& world_from_camera);
+  /// All three for a frame that was recorded and submitted before; waits for their end.
+  void fuse(Recorder& recorder, Volume& volume, const Pose& world_from_camera);
 
   const PreprocessPass& frame() const { return preprocess_; }
 

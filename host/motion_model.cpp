@@ -16,6 +16,11 @@ void MotionModel::add(const Pose& world_from_camera, double timestamp) {
   last_ = {world_from_camera, timestamp};
 }
 
+void MotionModel::rebase(const Pose& new_from_old_world) {
+  for (std::optional<Stamped>* pose : {&last_, &before_})
+    if (*pose) (*pose)->world_from_camera = new_from_old_world * (*pose)->world_from_camera;
+}
+
 Pose MotionModel::predict(double timestamp) const {
   if (!last_) return Pose::Identity();
   Pose out = last_->world_from_camera;

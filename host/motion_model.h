@@ -14,6 +14,8 @@ class MotionModel {
   /// The last pose carried on; as it is where no velocity is known. Velocities fade when nothing was added
   /// for long.
   Pose predict(double timestamp) const;
+  /// The world was corrected: where its poses are now.
+  void rebase(const Pose& new_from_old_world);
   /// After a loss: the next pose makes no velocity with those before it.
   void forget() {
     before_.reset();

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cstdio>
 
+#include "host/error.h"
+
 namespace rosefusion {
 namespace {
 
@@ -108,7 +110,10 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
       volume_(device, volumeOptions(settings)),
       fuser_(makeFuser()),
       tracker_(device, settings, intrinsics, templatesFor(settings, log)),
-      seen_through_(intrinsics, settings.depth, depth_units_per_metre) {}
+      seen_through_(intrinsics, settings.depth, depth_units_per_metre) {
+  if (settings.loops.enabled)
+    loops_ = makeLoopCloser(device, settings, intrinsics, depth_units_per_metre, tracker_.templates());
+}
 
 void Pipeline::changeLive(const Settings& settings) {
   Settings changed = settings_;
@@ -127,6 +132,7 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
     fuser_.recordFrame(recorder_, frame);
     recorder_.submit();
   }
+  tracker_.move(frame.motion);
   {
     const StageTimer timer(result.milliseconds.track);
     track(frame, result);
@@ -134,17 +140,34 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
   if (result.status == TrackingStatus::Lost) {
     intruded_ = false;
     if (started_) tracker_.lose();
+    if (loops_) loops_->breakOff();
     return result;
   }
   result.fused = result.status != TrackingStatus::Relocalised && !intruded_;
   if (result.fused) {
     const StageTimer timer(result.milliseconds.integrate);
-    integrate(result.world_from_camera);
+    fuser_.fuse(recorder_, volume_, result.world_from_camera);
     seen_through_.keep(frame.depth, result.world_from_camera);
     started_ = true;
   }
   tracker_.accept(result.world_from_camera, result.timestamp, result.fused);
+  if (loops_) closeLoops(frame, result);
   return result;
+}
+
+void Pipeline::closeLoops(const Frame& frame, FrameResult& result) {
+  const StageTimer timer(result.milliseconds.loops);
+  result.loop = loops_->add(frame, fuser_.frame(), result.world_from_camera, result.fused,
+                            result.status == TrackingStatus::Tracked);
+  if (!result.loop) return;
+  loops_->rebuild(volume_);
+  result.world_from_camera = loops_->framePoses().back();
+  tracker_.rebase(result.world_from_camera, loops_->keyframePoses());
+  seen_through_.forget();  // where its images were taken has changed
+}
+
+void Pipeline::finish() {
+  if (loops_ && loops_->finish()) loops_->rebuild(volume_);
 }
 
 /// What came before the camera is gone when the image shows the model again; that it is no longer where the
@@ -195,24 +218,23 @@ void Pipeline::track(const Frame& frame, FrameResult& result) {
   if (result.status != TrackingStatus::Lost) result.world_from_camera = found.world_from_camera;
 }
 
-void Pipeline::integrate(const Pose& world_from_camera) {
-  do {
-    fuser_.recordSearch(recorder_, volume_, world_from_camera);
-    recorder_.submit();
-  } while (fuser_.grow(volume_));
-  fuser_.recordFusion(recorder_, volume_, world_from_camera);
-  recorder_.submit();
-}
-
 void Pipeline::fuseFrame(const Frame& frame, const Pose& world_from_camera) {
+  requireFixedPoses();
   fuser_.recordFrame(recorder_, frame);
   recorder_.submit();
-  integrate(world_from_camera);
+  fuser_.fuse(recorder_, volume_, world_from_camera);
   seen_through_.keep(frame.depth, world_from_camera);
   accept(world_from_camera, frame.timestamp);
 }
 
+void Pipeline::requireFixedPoses() const {
+  if (loops_)
+    throw InputError(
+        "loops.enabled moves poses, and cannot be on where frames of known pose are fused; leave it off.");
+}
+
 void Pipeline::accept(const Pose& world_from_camera, double timestamp) {
+  requireFixedPoses();
   started_ = true;
   unconfirmed_ = 0;
   tracker_.accept(world_from_camera, timestamp, true);

@@ -4,6 +4,7 @@
 
 #include "host/frame_fuser.h"
 #include "host/log.h"
+#include "host/loops/loop_closer.h"
 #include "host/seen_through.h"
 #include "host/tracker.h"
 
@@ -18,6 +19,7 @@ struct StageMilliseconds {
   double preprocess = 0;
   double track = 0;
   double integrate = 0;
+  double loops = 0;
 };
 
 struct FrameResult {
@@ -32,6 +34,8 @@ struct FrameResult {
   /// the camera, or the pose is wrong.
   double intruding = 0;
   bool fused = false;
+  std::optional<LoopClosure>
+      loop;  ///< closed at this frame: all earlier poses have changed; see LoopCloser::framePoses()
   int iterations = 0;
   std::uint64_t lookups = 0;
   StageMilliseconds milliseconds;
@@ -45,14 +49,19 @@ class Pipeline {
   Pipeline(Device& device, const Settings& settings, const Intrinsics& intrinsics,
            double depth_units_per_metre, const Log& log = {});
 
-  /// Tracks and fuses one frame (see host/frame.h); colour may be empty. A lost frame is a result and is not
-  /// fused. Throws DeviceError (OutOfMemory) when the model outgrows the device: what was fused before stays
-  /// whole.
+  /// Tracks and fuses one frame (see host/frame.h); colour and motion may be empty. A lost frame is a result
+  /// and is not fused. Throws DeviceError (OutOfMemory) when the model outgrows the device: what was fused
+  /// before stays whole.
   FrameResult processFrame(const Frame& frame);
-  /// Fuses a frame whose pose is known; tracking goes on from there. Throws as processFrame().
+  /// Fuses a frame whose pose is known; tracking goes on from there. Throws as processFrame(), and InputError
+  /// with loops.enabled, as accept() does.
   void fuseFrame(const Frame& frame, const Pose& world_from_camera);
   /// Tells that a frame of known pose was fused into volume() by a fuser of the caller's.
   void accept(const Pose& world_from_camera, double timestamp);
+  /// After the last frame, with loops.enabled: all loops are weighed once more. Throws as processFrame().
+  void finish();
+  /// With loops.enabled, null without.
+  const LoopCloser* loops() const { return loops_.get(); }
   FrameFuser makeFuser() { return {device_, settings_, intrinsics_, depth_units_per_metre_}; }
 
   /// For displays: told of every iteration of a search with particles, from within processFrame().
@@ -69,7 +78,8 @@ class Pipeline {
  private:
   void track(const Frame& frame, FrameResult& result);
   bool isIntruded(const FrameResult& result);
-  void integrate(const Pose& world_from_camera);
+  void closeLoops(const Frame& frame, FrameResult& result);
+  void requireFixedPoses() const;
 
   Device& device_;
   Settings settings_;
@@ -80,6 +90,7 @@ class Pipeline {
   FrameFuser fuser_;
   Tracker tracker_;
   SeenThrough seen_through_;
+  std::unique_ptr<LoopCloser> loops_;  ///< with loops.enabled
   bool started_ = false;
   bool intruded_ = false;
   int unconfirmed_ = 0;  ///< frames that must still agree before frames are fused again

@@ -18,6 +18,8 @@ class SeenThrough {
 
   /// Keeps a depth image (as Frame::depth) of the static scene and its pose, to compare later ones with.
   void keep(const cv::Mat& depth, const Pose& world_from_camera);
+  /// What was kept is no longer true, as after a correction of the map.
+  void forget() { *this = SeenThrough(camera_, range_, units_); }
   /// Share of the valid pixels (every 8th is looked at) whose surface lies in space that the last kept image
   /// saw to be empty. 0 before any is kept.
   double shareOfLast(const cv::Mat& depth, const Pose& world_from_camera) const;

@@ -77,6 +77,18 @@ struct IcpSettings {
   double minimum_move = 1e-5;
 };
 
+/// Loop closure: the memory of places, and what is believed about coming back to one.
+struct LoopSettings {
+  bool enabled = false;
+  double keyframe_shift = 0.15;
+  double keyframe_turn = 0.15;
+  std::uint64_t memory_mb = 512;
+  double min_travel = 5;
+  double reach = 1;
+  double share = 0.6;
+  double tolerance = 0.02;
+};
+
 struct MeshSettings {
   double min_weight = 2;
   int min_component = 100;
@@ -91,6 +103,7 @@ struct Settings {
   PfoSettings pfo;
   PsoSettings pso;
   IcpSettings icp;
+  LoopSettings loops;
   MeshSettings mesh;
 };
 

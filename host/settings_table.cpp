@@ -40,6 +40,11 @@ std::vector<SettingsField> makeTable() {
       return s.refine.*member;
     };
   };
+  const auto L = [](auto member) {
+    return [member](Settings & s) -> auto& {
+      return s.loops.*member;
+    };
+  };
   using W = SwarmSettings;
   return {
       row(
@@ -196,6 +201,24 @@ std::vector<SettingsField> makeTable() {
       row(
           "icp.minimum_move", "m, rad", 0, 1, "a smaller step ends a level's iterations",
           [](Settings & s) -> auto& { return s.icp.minimum_move; }),
+
+      row("loops.enabled", "", 0, 1,
+          "places that the camera comes back to are recognised, and drift is taken out of all poses and of "
+          "the "
+          "model",
+          L(&LoopSettings::enabled)),
+      row("loops.keyframe_shift", "m", 0.01, 10, "after so much a frame is kept as keyframe",
+          L(&LoopSettings::keyframe_shift)),
+      row("loops.keyframe_turn", "rad", 0.01, 3, "or after so much", L(&LoopSettings::keyframe_turn)),
+      row("loops.memory_mb", "MiB", 1, kMany,
+          "of compressed keyframe images; beyond it they are thinned, and the model is made from the others",
+          L(&LoopSettings::memory_mb)),
+      row("loops.min_travel", "m + rad", 0.1, 1e6, "younger keyframes are not looked at",
+          L(&LoopSettings::min_travel)),
+      row("loops.reach", "m", 0.05, 100, "nor are those further away", L(&LoopSettings::reach)),
+      row("loops.share", "", 0.1, 1, "a place is recognised when this share of the pixels meets what it was",
+          L(&LoopSettings::share)),
+      row("loops.tolerance", "m, rad", 1e-3, 10, "smaller drift is left alone", L(&LoopSettings::tolerance)),
 
       row(
           "mesh.min_weight", "frames", 0, 255,

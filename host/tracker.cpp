@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/locate.h"
+
 namespace rosefusion {
 namespace {
 
@@ -11,10 +13,8 @@ constexpr std::size_t kRememberedCosts = 9;  // frames
 // A frame's cost is suspicious beyond this factor of the recent ones' median, and this much more.
 constexpr double kSuspiciousFactor = 1.3, kSuspiciousExcess = 0.05;
 
-// A keyframe is added where none is within this; each is searched within the reach when lost.
+// A keyframe is added where none is within this; the surroundings of each are searched when lost.
 constexpr double kKeyframeShift = 0.4, kKeyframeTurn = 0.4;
-constexpr double kScanShift = 0.5, kScanTurn = 0.25;
-constexpr std::size_t kScanKept = 3;
 
 /// 0 for the expected pose, towards 1 beyond some centimetres or degrees.
 double unexpectedness(const Pose& pose, const Pose& expected) {
@@ -49,12 +49,26 @@ bool Tracker::suspicious(double cost) const {
   return cost > kSuspiciousFactor * *middle + kSuspiciousExcess;
 }
 
+void Tracker::move(const std::optional<CameraMotion>& motion) {
+  if (!motion) told_.reset();
+  if (!told_) return;
+  told_->last_camera_from_camera = told_->last_camera_from_camera * motion->last_camera_from_camera;
+  told_->has_translation = told_->has_translation && motion->has_translation;
+}
+
+Pose Tracker::asTold(const Pose& otherwise) const {
+  if (!told_) return otherwise;
+  Pose told = last_ * told_->last_camera_from_camera;
+  if (!told_->has_translation) told.translation() = otherwise.translation();
+  return told;
+}
+
 TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, double timestamp) {
   if (other_method_) return other_method_->track(frame, volume, last_, observer_);
   TrackResult result;
   if (lost_) return relocalise(frame, volume);
   const RefineSettings& s = settings_.refine;
-  const Pose expected = motion_.predict(timestamp);
+  const Pose predicted = motion_.predict(timestamp), expected = asTold(predicted);
   PoseFit best;
   double best_cost = 2;
   const auto descendFrom = [&](const std::vector<Pose>& starts) {
@@ -70,7 +84,7 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, do
     descendFrom({result.world_from_camera});
   };
   refiner_.look(frame, s.coarse_pixel_stride, last_);
-  descendFrom({expected, last_});
+  descendFrom(told_ ? std::vector<Pose>{expected, last_, predicted} : std::vector<Pose>{expected, last_});
   searchFrom(best.world_from_camera);  // ends after max_empty_sets iterations where nothing better is near
   if (suspicious(best.cost)) {
     searchFrom(expected);
@@ -87,40 +101,35 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, do
 }
 
 TrackResult Tracker::relocalise(const PreprocessPass& frame, const Volume& volume) {
-  TrackResult result;
   std::vector<Pose> centres = keyframes_;
   centres.push_back(last_);
-  std::vector<ScannedPose> scanned = search_.scan(frame, volume, centres, kScanShift, kScanTurn);
-  for (const ScannedPose& pose : scanned) result.lookups += pose.lookups;
-  const std::size_t kept = std::min(kScanKept, scanned.size());
-  std::partial_sort(scanned.begin(), scanned.begin() + static_cast<std::ptrdiff_t>(kept), scanned.end(),
-                    [](const ScannedPose& a, const ScannedPose& b) { return a.loss < b.loss; });
-  refiner_.look(frame, settings_.refine.coarse_pixel_stride);
-  for (std::size_t i = 0; i < kept; ++i) {
-    const Pose& start = scanned[i].world_from_camera;
-    const SwarmResult found = search_.search(frame, volume, start, start, observer_);
-    result.iterations += found.iterations;
-    result.lookups += found.lookups;
-    for (const PoseFit& fit : refiner_.refine(volume, std::vector<Pose>{start, found.world_from_camera},
-                                              settings_.refine.coarse_iterations, start))
-      if (!result.fit || fit.cost < result.fit->cost) result.fit = fit;
-  }
-  result.world_from_camera = result.fit->world_from_camera;
-  result.lookups += kVoxelsPerPoint * refiner_.takePointsRead();
-  return result;
+  if (told_) centres.push_back(asTold(last_));
+  return locate(search_, refiner_, settings_.refine, frame, volume, centres, observer_);
 }
 
 void Tracker::accept(const Pose& world_from_camera, double timestamp, bool fused) {
   if (lost_) costs_.clear();
   lost_ = false;
+  told_ = CameraMotion{Pose::Identity(), true};
   motion_.add(world_from_camera, timestamp);
   last_ = world_from_camera;
+  if (fused) addKeyframe(last_);
+}
+
+void Tracker::addKeyframe(const Pose& pose) {
   const auto near = [&](const Pose& keyframe) {
-    const Eigen::AngleAxisd turn(Eigen::Matrix3d(keyframe.linear() * last_.linear().transpose()));
-    return (keyframe.translation() - last_.translation()).norm() < kKeyframeShift &&
+    const Eigen::AngleAxisd turn(Eigen::Matrix3d(keyframe.linear() * pose.linear().transpose()));
+    return (keyframe.translation() - pose.translation()).norm() < kKeyframeShift &&
            turn.angle() < kKeyframeTurn;
   };
-  if (fused && std::none_of(keyframes_.begin(), keyframes_.end(), near)) keyframes_.push_back(last_);
+  if (std::none_of(keyframes_.begin(), keyframes_.end(), near)) keyframes_.push_back(pose);
+}
+
+void Tracker::rebase(const Pose& world_from_last, std::span<const Pose> keyframes) {
+  motion_.rebase(world_from_last * last_.inverse());
+  last_ = world_from_last;
+  keyframes_.clear();
+  for (const Pose& keyframe : keyframes) addKeyframe(keyframe);
 }
 
 void Tracker::lose() {

@@ -4,6 +4,7 @@
 #pragma once
 #include <deque>
 
+#include "host/frame.h"
 #include "host/motion_model.h"
 #include "host/pose_method.h"
 
@@ -14,6 +15,9 @@ class Tracker {
  public:
   Tracker(Device& device, const Settings& settings, const Intrinsics& intrinsics, TemplateSet templates);
 
+  /// Tells how the camera moved since the frame before, where another sensor knows. Called once for every
+  /// frame: motions add up over frames that were lost, until accept(); one that is unknown ends their sum.
+  void move(const std::optional<CameraMotion>& motion);
   /// Pose of the frame held by `frame`. Call accept() where it is believed.
   TrackResult track(const PreprocessPass& frame, const Volume& volume, double timestamp);
   /// Tells that the frame at `timestamp` has this pose, and whether it was fused.
@@ -23,6 +27,9 @@ class Tracker {
   bool isLost() const { return lost_; }
   /// From now on told of every iteration of the searches with particles.
   void observe(SearchObserver observer) { observer_ = std::move(observer); }
+  /// Tells that the map was corrected: where the last accepted frame and the keyframes are now.
+  void rebase(const Pose& world_from_last, std::span<const Pose> keyframes);
+  const TemplateSet& templates() const { return search_.templates(); }
   /// Fit of the frame at a pose, over the overlap with the last accepted frame; every 8th pixel.
   PoseScore score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera) {
     return search_.score(frame, volume, world_from_camera, last_);
@@ -31,9 +38,12 @@ class Tracker {
   const Pose& last() const { return last_; }
 
  private:
+  void addKeyframe(const Pose& world_from_camera);
   TrackResult relocalise(const PreprocessPass& frame, const Volume& volume);
   void search(const PreprocessPass& frame, const Volume& volume, const Pose& start, TrackResult& result);
   bool suspicious(double cost) const;
+  /// `otherwise`, with as much of it replaced as the motion told since the last accepted frame knows better.
+  Pose asTold(const Pose& otherwise) const;
 
   const Settings settings_;
   SwarmSearch search_;
@@ -41,7 +51,8 @@ class Tracker {
   std::unique_ptr<PoseMethod> other_method_;  ///< none: the product's own
   SearchObserver observer_;
   MotionModel motion_;
-  std::vector<Pose> keyframes_;  ///< fused poses, spread over the model
+  std::optional<CameraMotion> told_;  ///< since the last accepted frame; see move()
+  std::vector<Pose> keyframes_;       ///< fused poses, spread over the model
   bool lost_ = false;
   std::deque<double> costs_;  ///< of the last frames
   Pose last_ = Pose::Identity();

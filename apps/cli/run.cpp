@@ -2,6 +2,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdio>
+#include <numbers>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/exit_code.h"
@@ -54,6 +55,16 @@ void printSummary(const RunSummary& summary, const SequenceInfo& info, const std
       std::printf("First lost at frame %zu: %s.\n", f.index, f.result.reason.c_str());
       break;
     }
+  if (summary.loops) {
+    std::printf(
+        "%zu loops closed (%zu keyframes, %.1f MB; %zu comparisons with old places, %zu without drift).\n",
+        summary.loops->closures, summary.loops->keyframes, 1e-6 * double(summary.loops->image_bytes),
+        summary.loops->checks, summary.loops->agreements);
+    for (const RunFrame& f : summary.frames)
+      if (f.result.loop)
+        std::printf("  at frame %zu with %.2f s: %.1f cm, %.2f degrees\n", f.index, f.result.loop->timestamp,
+                    100 * f.result.loop->shift, f.result.loop->turn * 180 / std::numbers::pi);
+  }
   if (const auto errors = errorsOf(summary, info); errors && errors->common_poses > 0)
     std::printf(
         "Against the truth: ATE %.2f cm RMSE, %.2f cm mean; TE %.2f cm RMSE, %.0f %% of the frames under 5 "

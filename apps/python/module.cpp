@@ -40,6 +40,16 @@ py::array_t<T> toArray(const std::vector<std::array<T, 3>>& rows) {
   return out;
 }
 
+/// A motion of 4 x 4, or its rotation alone.
+MotionPrior toMotion(const PoseArray& array) {
+  if (array.ndim() != 2 || array.shape(0) != 3 || array.shape(1) != 3) return {toMatrix(array), true};
+  MotionPrior motion;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      motion.last_camera_from_camera[4 * column + row] = array.at(row, column);
+  return motion;
+}
+
 /// The arrays must outlive it.
 DepthFrame toFrame(const Camera& camera, const DepthArray& depth, double timestamp,
                    const std::optional<ColourArray>& rgb) {
@@ -76,8 +86,10 @@ struct Pipeline {
           return Reconstructor(intrinsics, options);
         }()) {}
 
-  Result process(const DepthArray& depth, double timestamp, const std::optional<ColourArray>& rgb) {
-    const DepthFrame frame = toFrame(camera, depth, timestamp, rgb);
+  Result process(const DepthArray& depth, double timestamp, const std::optional<ColourArray>& rgb,
+                 const std::optional<PoseArray>& motion) {
+    DepthFrame frame = toFrame(camera, depth, timestamp, rgb);
+    if (motion) frame.motion = toMotion(*motion);
     const py::gil_scoped_release others_may_run;
     return reconstructor.process(frame);
   }
@@ -140,8 +152,12 @@ PYBIND11_MODULE(rosefusion, m) {
                        "Follows one camera and builds one model, on a Vulkan device of its own.")
       .def(py::init<const Camera&, const std::string&, const py::dict&, const std::string&>(), "intrinsics"_a,
            "preset"_a = "default", "settings"_a = py::dict(), "device"_a = "")
-      .def("process", &Pipeline::process, "depth"_a.noconvert(), "timestamp"_a, "rgb"_a = py::none(),
-           "Tracks and fuses one frame: depth as uint16, height x width; timestamp in seconds.")
+      .def(
+          "process", &Pipeline::process, "depth"_a.noconvert(), "timestamp"_a, "rgb"_a = py::none(),
+          "motion"_a = py::none(),
+          "Tracks and fuses one frame: depth as uint16, height x width; timestamp in seconds; motion: what "
+          "another sensor says, the camera's pose in the frame of the camera before (4 x 4), or its rotation "
+          "(3 x 3).")
       .def("integrate", &Pipeline::integrate, "depth"_a.noconvert(), "world_from_camera"_a, "timestamp"_a,
            "rgb"_a = py::none(), "Fuses one frame at a known pose; tracking goes on from there.")
       .def("mesh", &Pipeline::mesh, "The model's surface now.")

@@ -108,6 +108,9 @@ Frame copyOf(const DepthFrame& frame, const Intrinsics& camera) {
   out.timestamp = frame.timestamp;
   out.depth = cv::Mat(camera.height, camera.width, CV_16UC1);
   std::copy(frame.depth.begin(), frame.depth.end(), out.depth.begin<std::uint16_t>());
+  if (frame.motion) {
+    out.motion = CameraMotion{toPose(frame.motion->last_camera_from_camera), frame.motion->has_translation};
+  }
   if (frame.rgb.empty()) return out;
   out.colour = cv::Mat(camera.height, camera.width, CV_8UC3);
   for (std::size_t i = 0; i < pixels; ++i)

@@ -18,7 +18,8 @@ glm::mat4 toShader(const Matrix& matrix);
 Result toResult(const FrameResult& result);
 Mesh toMesh(const TriangleMesh& mesh);
 
-/// The frame on memory of its own. Throws Error (BadInput) for sizes other than the camera's.
+/// The frame on memory of its own. Throws Error (BadInput) for sizes other than the camera's and for a motion
+/// that is no rigid transform.
 Frame copyOf(const DepthFrame& frame, const Intrinsics& camera);
 
 /// Throws the Error that stands for the exception that is being handled.

@@ -63,15 +63,21 @@ void Reconstructor::Impl::publish(double timestamp, const Matrix* world_from_cam
 
 Result Reconstructor::Impl::process(const Frame& frame, const Semaphores& semaphores) {
   submitSemaphores(device, toPoints(semaphores.wait), {});
-  Result result;
+  FrameResult processed;
   try {
-    result = toResult(pipeline.processFrame(frame));
+    processed = pipeline.processFrame(frame);
   } catch (...) {
     submitSemaphores(device, {}, toPoints(semaphores.signal));  // who waits for them must not wait forever
     throw;
   }
   submitSemaphores(device, {}, toPoints(semaphores.signal));
+  const Result result = toResult(processed);
   publish(result.timestamp, result.status == Status::Lost ? nullptr : &result.world_from_camera);
+  if (processed.loop) {
+    const std::vector<Pose> poses = pipeline.loops()->framePoses();
+    const std::lock_guard lock(state);
+    for (std::size_t i = 0; i < poses.size(); ++i) trajectory[i].world_from_camera = toMatrix(poses[i]);
+  }
   return result;
 }
 

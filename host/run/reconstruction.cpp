@@ -26,6 +26,28 @@ std::size_t RunSummary::dropped() const {
                          [](std::size_t sum, const RunFrame& f) { return sum + f.dropped; });
 }
 
+namespace {
+
+/// Closes the loops and takes the corrected poses over.
+void finish(Pipeline& pipeline, RunSummary& summary) {
+  if (!pipeline.loops()) return;
+  try {
+    pipeline.finish();
+  } catch (const DeviceError& error) {
+    if (error.code() != DeviceErrorCode::OutOfMemory) throw;
+    summary.end = RunEnd::DeviceFull;
+    summary.end_reason = error.what();
+  }
+  summary.loops = pipeline.loops()->figures();
+  const std::vector<Pose> poses = pipeline.loops()->framePoses();
+  std::size_t next = 0;
+  for (RunFrame& f : summary.frames)
+    if (!f.skipped && f.result.status != TrackingStatus::Lost && next < poses.size())
+      f.result.world_from_camera = poses[next++];
+}
+
+}  // namespace
+
 RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_frames,
                        const std::function<void(const RunProgress&)>& progress, const StopQuestion& stop) {
   const auto start = std::chrono::steady_clock::now();
@@ -58,6 +80,7 @@ RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_
     summary.frames.push_back(std::move(frame));
     if (progress) progress({summary.frames.size(), total, &summary.frames.back()});
   }
+  finish(pipeline, summary);
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return summary;
 }

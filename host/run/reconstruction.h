@@ -28,8 +28,9 @@ enum class RunEnd { Finished, Interrupted, DeviceFull };
 struct RunSummary {
   std::vector<RunFrame> frames;
   RunEnd end = RunEnd::Finished;
-  std::string end_reason;  ///< the device's sentence for DeviceFull
-  double seconds = 0;      ///< wall time of the loop, reading included
+  std::string end_reason;            ///< the device's sentence for DeviceFull
+  double seconds = 0;                ///< wall time of the loop, reading included
+  std::optional<LoopFigures> loops;  ///< with loops.enabled
 
   std::size_t count(TrackingStatus status) const;
   std::size_t skipped() const;
@@ -39,7 +40,8 @@ struct RunSummary {
 
 /// Processes the source's frames until its end, or `max_frames` of them (0: all). `progress` is called after
 /// each frame; `stop` is asked before each and while the source waits, and true ends the run early. A device
-/// that is full ends it too (RunEnd::DeviceFull) with everything fused so far intact.
+/// that is full ends it too (RunEnd::DeviceFull) with everything fused so far intact. With loops.enabled the
+/// poses are at the end those that the last closure left.
 RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_frames = 0,
                        const std::function<void(const RunProgress&)>& progress = {},
                        const StopQuestion& stop = {});

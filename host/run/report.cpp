@@ -83,6 +83,14 @@ Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& p
   report["memory_bytes"] = {{"volume", pipeline.volume().memoryBytes()},
                             {"device", pipeline.device().allocatedBytes()}};
   report["blocks"] = pipeline.volume().blockCount();
+  if (const auto& loops = summary.loops) {
+    report["milliseconds"]["loops"] = milliseconds(&StageMilliseconds::loops, false);
+    report["loops"] = {
+        {"closures", loops->closures},      {"contradictions", loops->contradictions},
+        {"checks", loops->checks},          {"agreements", loops->agreements},
+        {"keyframes", loops->keyframes},    {"keyframes_with_images", loops->keyframes_with_images},
+        {"image_bytes", loops->image_bytes}};
+  }
   if (const auto errors = errorsOf(summary, info)) report.update(toJson(*errors));
   return report;
 }
@@ -92,7 +100,8 @@ std::string framesCsv(const RunSummary& summary) {
   out << "frame,timestamp_s,status,reason,iterations,lookups,residual_truncations,overlap_share,valid_share,"
          "fit_cost,fit_usable,fit_close,fit_constraint,intruding_share,fused,"
          "tx_m,ty_m,tz_m,"
-         "qx,qy,qz,qw,total_ms,preprocess_ms,track_ms,integrate_ms\n";
+         "qx,qy,qz,qw,total_ms,preprocess_ms,track_ms,integrate_ms,loops_ms,loop_to_s,loop_shift_m,loop_turn_"
+         "rad\n";
   for (const RunFrame& f : summary.frames) {
     const FrameResult& r = f.result;
     const Eigen::Vector3d t = r.world_from_camera.translation();
@@ -108,7 +117,13 @@ std::string framesCsv(const RunSummary& summary) {
     out << ',' << r.intruding << ',' << (r.fused ? 1 : 0);
     out << ',' << t.x() << ',' << t.y() << ',' << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ','
         << q.w() << std::setprecision(3) << ',' << r.milliseconds.total << ',' << r.milliseconds.preprocess
-        << ',' << r.milliseconds.track << ',' << r.milliseconds.integrate << '\n';
+        << ',' << r.milliseconds.track << ',' << r.milliseconds.integrate << ',' << r.milliseconds.loops
+        << ',';
+    if (r.loop)
+      out << std::setprecision(6) << r.loop->timestamp << ',' << r.loop->shift << ',' << r.loop->turn;
+    else
+      out << ",,";
+    out << '\n';
   }
   return out.str();
 }

@@ -137,6 +137,26 @@ TEST_F(Volumes, AnyNumberOfPoolChunksHoldsTheSame) {
   EXPECT_EQ(losses(three), losses(single));
 }
 
+TEST_F(Volumes, ClearedTheyAreAsNew) {
+  for (const VolumeOptions& options : {kOptions, withPools(256)}) {
+    SceneRun run(device(), makeSequence(kPlainCamera, 2, 66), options);
+    run.fuseAll();
+    const std::uint32_t blocks = run.volume.blockCount();
+    const std::uint64_t bytes = run.volume.memoryBytes();
+    const std::vector<float> expected = losses(run);
+    run.volume.clear();
+    EXPECT_EQ(run.volume.blockCount(), 0u);
+    EXPECT_EQ(run.volume.download().blocks.size(), 1u);
+    expectTableMatches(device(), run.volume);
+    EXPECT_NE(losses(run), expected);
+    run.fuseAll();
+    EXPECT_EQ(run.volume.blockCount(), blocks);
+    EXPECT_EQ(run.volume.memoryBytes(), bytes);
+    expectTableMatches(device(), run.volume);
+    EXPECT_EQ(losses(run), expected) << "nothing of what was fused before is left";
+  }
+}
+
 TEST_F(Volumes, ChunksComparisonSeesADifference) {
   SceneRun run(device(), makeSequence(kPlainCamera, 1, 62), kOptions);
   run.fuseAll();

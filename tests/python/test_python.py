@@ -65,6 +65,16 @@ class Module(unittest.TestCase):
         self.assertGreater(np.median(p.mesh().colours[:, 0]), 150)
         self.assertLess(np.median(p.mesh().colours[:, 2]), 50)
 
+    def test_the_motion_of_another_sensor_is_read(self):
+        p = pipeline()
+        for seconds, depth in list(camera.frames())[:2]:
+            result = p.process(depth, seconds, motion=np.eye(3))
+        self.assertNotEqual(result.status, rosefusion.Status.LOST)
+        with self.assertRaisesRegex(rosefusion.Error, "rigid"):
+            p.process(camera.depth_image(0.06), 0.1, motion=2 * np.eye(3))
+        with self.assertRaisesRegex(ValueError, "4 x 4"):
+            p.process(camera.depth_image(0.06), 0.1, motion=np.eye(2))
+
     def test_a_column_slice_is_read_as_it_looks(self):
         wide = np.zeros((240, 640), np.uint16)
         wide[:, ::2] = camera.depth_image(0)

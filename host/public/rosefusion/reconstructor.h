@@ -52,7 +52,7 @@ class ROSEFUSION_API Reconstructor {
   /// The model's surface now, as settings mesh.* say. Empty before the first fused frame. Throws Error
   /// (OutOfMemory, DeviceLost).
   Mesh mesh();
-  /// Poses of all frames that were not lost, in their order.
+  /// Poses of all frames that were not lost, in their order; loops.enabled corrects earlier ones.
   std::vector<TimedPose> trajectory() const;
   /// Voxel blocks of the model after the last frame.
   std::size_t blockCount() const;

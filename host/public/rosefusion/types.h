@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -30,11 +31,21 @@ struct Camera {
   double depth_units_per_metre = 1000;  ///< a depth value over this is metres along the optical axis
 };
 
+/// How the camera moved, as another sensor than its own depth says: a gyroscope, wheels, a robot's arm.
+struct MotionPrior {
+  Matrix last_camera_from_camera = kIdentity;  ///< the camera now, in the frame of the camera before
+  bool has_translation = false;                ///< false: only the rotation is known, and read
+};
+
 /// One image of the sensor. The spans are the caller's and are read before the call that takes them returns.
 struct DepthFrame {
   std::span<const std::uint16_t> depth;  ///< width x height, row by row; 0 and 65535 are invalid
   double timestamp = 0;                  ///< seconds, growing
   std::span<const std::uint8_t> rgb;     ///< 3 bytes per pixel, registered to the depth; empty: none
+  /// Since the frame handed over before this one, whatever became of that. One more start of the search,
+  /// which a better one may beat; it holds what the depth leaves open. Not read with a tracker.method of the
+  /// paper's, nor where the pose is known.
+  std::optional<MotionPrior> motion;
 };
 
 /// Relocalised: found again in the model after being lost, and not fused until the next frames agree.

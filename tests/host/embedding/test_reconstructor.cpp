@@ -128,6 +128,32 @@ TEST_F(Embedded, AKnownPoseIsWhereTrackingGoesOn) {
   EXPECT_EQ(reconstructor.trajectory().front().world_from_camera, moved);
 }
 
+TEST_F(Embedded, AMotionFromAnotherSensorReachesTheTracker) {
+  const Options options{
+      .settings = {{"swarm.levels", "1024/16 512/8 256/4"}, {"tracking.templates_per_level", "3"}}};
+  const SynthSequence& sequence = shortSequence();
+  Reconstructor reconstructor(publicCamera(), publicHandles(caller), options);
+  Device device(deviceUnderTest());
+  Settings settings = loadSettings("default");
+  for (const Setting& s : options.settings) setField(settings, s.key, s.value, "test");
+  Pipeline pipeline(device, settings, sequence.intrinsics, sequence.depth_units_per_metre);
+  for (const std::size_t i : {0, 1, 15}) {
+    const CameraMotion motion{
+        sequence.truth[i ? 1 : 0].world_from_camera.inverse() * sequence.truth[i].world_from_camera, i == 15};
+    Frame frame = sequence.frames[i];
+    frame.motion = motion;
+    DepthFrame told = publicFrame(i);
+    told.motion = MotionPrior{};
+    Eigen::Map<Eigen::Matrix4d>(told.motion->last_camera_from_camera.data()) =
+        motion.last_camera_from_camera.matrix();
+    told.motion->has_translation = motion.has_translation;
+    const Matrix pose = reconstructor.process(told).world_from_camera;
+    EXPECT_EQ(Eigen::Map<const Eigen::Matrix4d>(pose.data()),
+              pipeline.processFrame(frame).world_from_camera.matrix())
+        << "frame " << i;
+  }
+}
+
 TEST_F(Embedded, WhatCannotBeIsRefusedInWords) {
   const auto make = [&](const Camera& camera, const Options& options) {
     Reconstructor(camera, publicHandles(caller), options);
@@ -149,6 +175,9 @@ TEST_F(Embedded, WhatCannotBeIsRefusedInWords) {
   scaled[0] = 2;
   EXPECT_TRUE(
       throwsError([&] { reconstructor.integrate(publicFrame(0), scaled); }, Error::Kind::BadInput, "rigid"));
+  DepthFrame stretched = publicFrame(0);
+  stretched.motion = MotionPrior{scaled, false};
+  EXPECT_TRUE(throwsError([&] { reconstructor.process(stretched); }, Error::Kind::BadInput, "rigid"));
   EXPECT_TRUE(
       throwsError([&] { reconstructor.setting("swarm.leves"); }, Error::Kind::BadInput, "swarm.levels"));
   reconstructor.push(publicFrame(0));

@@ -119,6 +119,15 @@ TEST(MotionModel, ForgottenVelocitiesAreNotUsed) {
   EXPECT_LT(distance(model.predict(0.12), moving(0.12)), kExact);
 }
 
+TEST(MotionModel, ACorrectedWorldTakesTheMotionAlong) {
+  MotionModel model;
+  model.add(moving(0), 0);
+  model.add(moving(0.03), 0.03);
+  const Pose new_from_old_world = moving(2);
+  model.rebase(new_from_old_world);
+  EXPECT_LT(distance(model.predict(0.06), new_from_old_world * moving(0.06)), 10 * kExact);
+}
+
 TEST(MotionModel, PredictedRotationsAreRotations) {
   MotionModel model;
   for (int i = 0; i < 200; ++i) {

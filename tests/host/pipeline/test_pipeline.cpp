@@ -103,6 +103,37 @@ TEST_F(PipelineTest, WithAHandBeforeTheCameraNothingIsFusedUntilItIsGone) {
   }
 }
 
+// Half a metre from one frame to the next, which no motion model can guess.
+TEST_F(PipelineTest, AJumpIsFollowedWhereAnotherSensorTellsOfItAndElseNotFused) {
+  const SynthSequence sequence = makeShortSequence(907, 23);
+  const auto& truth = sequence.truth;
+  constexpr std::size_t kBefore = 9, kAfter = 19;
+  const Pose jump = truth[kBefore].world_from_camera.inverse() * truth[kAfter].world_from_camera;
+  ASSERT_GT(jump.translation().norm(), 0.5);
+  struct Told {
+    bool rotation, translation;
+  };
+  for (const Told told : {Told{true, true}, Told{true, false}, Told{false, false}}) {
+    SCOPED_TRACE(told.translation ? "all told" : told.rotation ? "the rotation told" : "nothing told");
+    Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
+    std::size_t last = 0;
+    for (std::size_t i = 0; i < sequence.frames.size(); i = i == kBefore ? kAfter : i + 1) {
+      Frame frame = sequence.frames[i];
+      if (told.rotation)
+        frame.motion = CameraMotion{truth[last].world_from_camera.inverse() * truth[i].world_from_camera,
+                                    told.translation};
+      const FrameResult result = pipeline.processFrame(frame);
+      last = i;
+      if (told.rotation || i <= kBefore) {
+        EXPECT_NE(result.status, TrackingStatus::Lost) << "frame " << i << ": " << result.reason;
+      }
+      if (result.status != TrackingStatus::Lost) {
+        EXPECT_LT(errorAt(i, result.world_from_camera, sequence), 0.03) << "frame " << i;
+      }
+    }
+  }
+}
+
 TEST_F(PipelineTest, FramesFromAnotherRoomAreLostAndNotFused) {
   const SynthSequence sequence = makeShortSequence(905, 8), other = makeShortSequence(906, 4);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);

@@ -1,0 +1,126 @@
+#include "host/loops/keyframe_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rosefusion {
+namespace {
+
+// Tracking is off by about a hundredth of the motion, and turns by as much as shifts seem at 2.5 m.
+constexpr double kShiftDeviation = 0.001, kShiftShare = 0.01, kTurnPerShift = 0.4;
+constexpr double kLooseness = 10;  // of motions in which the depth left a direction open
+constexpr double kTieDeviation = 0.003;
+constexpr double kMostStrain = 0.05;  // metres that ties may contradict each other by
+constexpr double kViewTurn = 0.6;     // radians within which views overlap enough
+constexpr int kNeighbours = 3;        // to either side
+
+double turnBetween(const Pose& a, const Pose& b) {
+  return Eigen::AngleAxisd(Eigen::Matrix3d(a.linear().transpose() * b.linear())).angle();
+}
+
+double shiftBetween(const Pose& a, const Pose& b) {
+  return (a.translation() - b.translation()).norm();
+}
+
+PoseEdge edgeOf(std::size_t first, std::size_t second, const Pose& motion, double deviation) {
+  return {first, second, motion, deviation, kTurnPerShift * deviation};
+}
+
+}  // namespace
+
+bool KeyframeMap::add(const Pose& pose, bool fused, bool firm) {
+  if (!frames_.empty()) travelled_ += shiftBetween(pose, last_) + turnBetween(pose, last_);
+  last_ = pose;
+  firm_ = firm_ && firm;
+  if (keyframes_.empty() && !fused) return false;
+  std::size_t reference = keyframes_.empty() ? 0 : broken_ ? nearest(pose) : keyframes_.size() - 1;
+  Pose motion =
+      keyframes_.empty() ? Pose::Identity() : keyframes_[reference].world_from_camera.inverse() * pose;
+  const double shift = motion.translation().norm(), turn = rotationAngle(motion);
+  const bool far =
+      keyframes_.empty() || broken_ || shift >= settings_.keyframe_shift || turn >= settings_.keyframe_turn;
+  if (fused && far) {
+    if (!keyframes_.empty())
+      edges_.push_back(edgeOf(reference, keyframes_.size(), motion,
+                              (firm_ ? 1 : kLooseness) * (kShiftDeviation + kShiftShare * (shift + turn))));
+    reference = keyframes_.size();
+    motion = Pose::Identity();
+    keyframes_.push_back({pose, travelled_});
+    broken_ = false;
+    firm_ = true;
+  }
+  frames_.push_back({reference, motion});
+  return fused && far;
+}
+
+std::size_t KeyframeMap::nearest(const Pose& pose) const {
+  const auto distance = [&](const Keyframe& k) {
+    return shiftBetween(k.world_from_camera, pose) + turnBetween(k.world_from_camera, pose);
+  };
+  const auto least =
+      std::min_element(keyframes_.begin(), keyframes_.end(),
+                       [&](const Keyframe& a, const Keyframe& b) { return distance(a) < distance(b); });
+  return static_cast<std::size_t>(least - keyframes_.begin());
+}
+
+std::optional<std::size_t> KeyframeMap::candidate(const std::function<bool(std::size_t)>& usable) const {
+  const Keyframe& newest = keyframes_.back();
+  std::optional<std::size_t> best;
+  double least = 0;
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+    const Keyframe& old = keyframes_[i];
+    if (newest.travelled - old.travelled < settings_.min_travel) break;
+    const double shift = shiftBetween(old.world_from_camera, newest.world_from_camera);
+    const double turn = turnBetween(old.world_from_camera, newest.world_from_camera);
+    if (shift > settings_.reach || turn > kViewTurn || !usable(i)) continue;
+    const double distance = shift / settings_.reach + turn / kViewTurn;
+    if (best && distance >= least) continue;
+    best = i;
+    least = distance;
+  }
+  return best;
+}
+
+std::vector<std::size_t> KeyframeMap::neighbours(std::size_t keyframe,
+                                                 const std::function<bool(std::size_t)>& usable) const {
+  std::vector<std::size_t> out;
+  const std::size_t first = keyframe - std::min<std::size_t>(keyframe, kNeighbours);
+  const std::size_t end = std::min(keyframes_.size(), keyframe + kNeighbours + 1);
+  for (std::size_t i = first; i < end; ++i) {
+    const Pose &a = pose(keyframe), &b = pose(i);
+    // Keyframes on either side of a loss are no neighbours.
+    if (usable(i) && shiftBetween(a, b) < settings_.reach && turnBetween(a, b) < 2 * kViewTurn)
+      out.push_back(i);
+  }
+  return out;
+}
+
+PoseEdge KeyframeMap::tieOf(std::size_t old, const Pose& world_from_newest) const {
+  return edgeOf(old, keyframes_.size() - 1, pose(old).inverse() * world_from_newest, kTieDeviation);
+}
+
+bool KeyframeMap::close() {
+  std::vector<Pose> poses;
+  for (const Keyframe& k : keyframes_) poses.push_back(k.world_from_camera);
+  std::vector<PoseEdge> all = edges_;
+  all.insert(all.end(), ties_.begin(), ties_.end());
+  poses = optimisePoses(std::move(poses), all);
+  if (std::any_of(ties_.begin(), ties_.end(),
+                  [&](const PoseEdge& tie) { return strainOf(tie, poses) > kMostStrain; })) {
+    ties_.resize(closed_ties_);
+    return false;
+  }
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) keyframes_[i].world_from_camera = poses[i];
+  if (!frames_.empty()) last_ = framePoses().back();
+  closed_ties_ = ties_.size();
+  return true;
+}
+
+std::vector<Pose> KeyframeMap::framePoses() const {
+  std::vector<Pose> poses;
+  for (const HungFrame& f : frames_)
+    poses.push_back(keyframes_[f.keyframe].world_from_camera * f.keyframe_from_camera);
+  return poses;
+}
+
+}  // namespace rosefusion

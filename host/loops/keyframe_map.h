@@ -1,0 +1,66 @@
+// Where keyframes are, how they hang together, and where all frames between them are. Pure: no device, no
+// images.
+#pragma once
+#include <functional>
+#include <optional>
+
+#include "host/loops/pose_graph.h"
+#include "host/settings.h"
+
+namespace rosefusion {
+
+/// The way travelled counts a radian as much as a metre. One thread.
+class KeyframeMap {
+ public:
+  explicit KeyframeMap(const LoopSettings& settings) : settings_(settings) {}
+
+  /// Hangs a frame onto the keyframe that it followed. True where it is a keyframe itself, which only a fused
+  /// frame can be. `firm`: the depth held it in every direction.
+  bool add(const Pose& world_from_camera, bool fused, bool firm);
+  /// The camera was lost: the next frames hang onto the keyframe nearest to where they were found.
+  void breakOff() { broken_ = true; }
+
+  std::size_t size() const { return keyframes_.size(); }
+  const Pose& pose(std::size_t keyframe) const { return keyframes_[keyframe].world_from_camera; }
+  double travelled() const { return travelled_; }
+
+  /// The keyframe closest to the newest one's place and view among those passed loops.min_travel before, if
+  /// any is within reach. `usable` says which may be chosen.
+  std::optional<std::size_t> candidate(const std::function<bool(std::size_t)>& usable) const;
+  /// Keyframes that came shortly before and after this one and look about the same way, itself included.
+  std::vector<std::size_t> neighbours(std::size_t keyframe,
+                                      const std::function<bool(std::size_t)>& usable) const;
+
+  /// The newest keyframe's pose, measured against an old one.
+  PoseEdge tieOf(std::size_t old, const Pose& world_from_newest) const;
+  /// Counts from the next close() on.
+  void tie(const PoseEdge& edge) { ties_.push_back(edge); }
+  /// Moves all keyframes to where the edges want them; false, and nothing is changed, where the newest ties
+  /// contradict older ones. Then they are forgotten.
+  bool close();
+  /// Poses of all frames added, in their order, as they are known now.
+  std::vector<Pose> framePoses() const;
+
+ private:
+  struct Keyframe {
+    Pose world_from_camera;
+    double travelled;
+  };
+  struct HungFrame {
+    std::size_t keyframe;
+    Pose keyframe_from_camera;
+  };
+  std::size_t nearest(const Pose& world_from_camera) const;
+
+  const LoopSettings settings_;
+  std::vector<Keyframe> keyframes_;
+  std::vector<PoseEdge> edges_, ties_;
+  std::size_t closed_ties_ = 0;  ///< of ties_, those that close() has moved the keyframes to
+  std::vector<HungFrame> frames_;
+  Pose last_ = Pose::Identity();
+  double travelled_ = 0;
+  bool broken_ = false;
+  bool firm_ = true;  ///< all frames since the last keyframe
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,118 @@
+// Keyframes: which frames become one, what hangs on them, what is recognised, and how closing moves it all.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "host/loops/keyframe_map.h"
+
+namespace rosefusion::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::Optional;
+
+Pose at(double x, double y = 0, double turn = 0) {
+  return Eigen::Translation3d(x, y, 0) * Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitY()) * Pose::Identity();
+}
+
+bool any(std::size_t) {
+  return true;
+}
+
+/// There and back along x, a step of 10 cm at a time; what is measured coming back drifts to y.
+KeyframeMap thereAndBack(double drift) {
+  KeyframeMap map{LoopSettings{}};
+  for (int i = 0; i <= 80; ++i) map.add(at(0.1 * (i <= 40 ? i : 80 - i), drift * i / 80), true, true);
+  return map;
+}
+
+TEST(KeyframeMap, AKeyframeIsWhereTheCameraHasMovedOrTurnedEnough) {
+  KeyframeMap map{LoopSettings{}};
+  EXPECT_TRUE(map.add(at(0), true, true));
+  EXPECT_FALSE(map.add(at(0.1), true, true));
+  EXPECT_TRUE(map.add(at(0.16), true, true));
+  EXPECT_FALSE(map.add(at(0.16, 0, 0.1), true, true));
+  EXPECT_TRUE(map.add(at(0.16, 0, 0.2), true, true));
+  EXPECT_FALSE(map.add(at(5), false, true)) << "a frame that was not fused cannot be one";
+  EXPECT_EQ(map.size(), 3u);
+  EXPECT_EQ(map.framePoses().size(), 6u);
+  EXPECT_NEAR(map.travelled(), 0.16 + 0.2 + 4.84 + 0.2, 1e-12) << "metres and radians";
+}
+
+TEST(KeyframeMap, OnlyOldKeyframesInReachAreRecognised) {
+  const KeyframeMap map = thereAndBack(0.05);
+  EXPECT_THAT(map.candidate(any), Optional(0u));
+  EXPECT_THAT(map.candidate([](std::size_t i) { return i != 0; }), Optional(1u));
+  EXPECT_FALSE(thereAndBack(1.2).candidate(any)) << "beyond loops.reach";
+  KeyframeMap turned = thereAndBack(0.05);
+  turned.add(at(0, 0, 1), true, true);
+  EXPECT_FALSE(turned.candidate(any)) << "another view";
+  KeyframeMap young{LoopSettings{}};
+  for (int i = 0; i < 8; ++i) young.add(at(0.2 * i), true, true);
+  EXPECT_FALSE(young.candidate(any)) << "passed just before";
+}
+
+TEST(KeyframeMap, NeighboursComeFromBothSidesButNotFromAcrossALoss) {
+  KeyframeMap map = thereAndBack(0);
+  EXPECT_THAT(map.neighbours(5, any), ElementsAre(2, 3, 4, 5, 6, 7, 8));
+  EXPECT_THAT(map.neighbours(0, any), ElementsAre(0, 1, 2, 3));
+  const std::size_t last = map.size() - 1;
+  map.breakOff();
+  map.add(at(2.5), true, true);
+  EXPECT_THAT(map.neighbours(last + 1, any), ElementsAre(last + 1));
+}
+
+TEST(KeyframeMap, ClosingTakesAllFramesAlong) {
+  KeyframeMap map = thereAndBack(0.2);
+  const std::vector<Pose> before = map.framePoses();
+  map.tie(map.tieOf(0, at(0)));
+  ASSERT_TRUE(map.close());
+  const std::vector<Pose> after = map.framePoses();
+  ASSERT_EQ(after.size(), 81u);
+  EXPECT_EQ(after[0].matrix(), before[0].matrix());
+  EXPECT_LT(after[80].translation().norm(), 0.02);
+  for (std::size_t i = 1; i < after.size(); ++i) {
+    EXPECT_LT(std::abs(after[i].translation().y()), 0.5 * 0.2) << i;
+    EXPECT_LT((after[i].translation() - after[i - 1].translation()).norm(), 0.11) << "no jump at frame " << i;
+  }
+}
+
+TEST(KeyframeMap, FramesAfterAClosureHangOntoTheCorrectedPlace) {
+  KeyframeMap map = thereAndBack(0.2);
+  map.tie(map.tieOf(0, at(0)));
+  ASSERT_TRUE(map.close());
+  const double travelled = map.travelled();
+  const Pose next = map.framePoses().back() * at(0.05);
+  map.add(next, true, true);
+  EXPECT_NEAR(map.travelled() - travelled, 0.05, 1e-9) << "the correction is no way travelled";
+  EXPECT_TRUE(map.framePoses().back().isApprox(next));
+}
+
+TEST(KeyframeMap, ATieThatContradictsAnOlderOneIsForgotten) {
+  KeyframeMap map = thereAndBack(0.2);
+  map.tie(map.tieOf(0, at(0)));
+  ASSERT_TRUE(map.close());
+  const std::vector<Pose> before = map.framePoses();
+  map.tie(map.tieOf(1, at(0, 0.6)));
+  EXPECT_FALSE(map.close());
+  EXPECT_EQ(map.framePoses().back().matrix(), before.back().matrix());
+  EXPECT_TRUE(map.close()) << "it is gone";
+  EXPECT_TRUE(map.framePoses().back().isApprox(before.back(), 1e-6));
+}
+
+TEST(KeyframeMap, AfterALossFramesHangOntoTheNearestKeyframe) {
+  KeyframeMap map{LoopSettings{}};
+  for (int i = 0; i <= 40; ++i) map.add(at(0.2 * i), true, true);  // drifts away, and is lost at 8 m
+  map.breakOff();
+  map.add(at(0.31, 0.05), false, true);
+  map.add(at(0.33, 0.05), true, true);
+  ASSERT_EQ(map.size(), 42u);
+  map.tie({0, 40, at(8, 0.5), 0.003, 0.001});
+  ASSERT_TRUE(map.close());
+  // The end of the way before the loss moves by half a metre; what was found near the start stays there.
+  EXPECT_NEAR(map.pose(40).translation().y(), 0.5, 0.02);
+  EXPECT_NEAR(map.pose(41).translation().y(), 0.05, 0.03);
+  EXPECT_NEAR(map.framePoses()[41].translation().y(), 0.05, 0.03);
+}
+
+}  // namespace
+}  // namespace rosefusion::testing

@@ -1,0 +1,132 @@
+// Drift that is provable: on a part of the way around a block all depths read too far, and the camera
+// believes to have come further than it has. Without loop closure it does not come back to where it began.
+#include <sstream>
+
+#include "host/error.h"
+#include "host/run/report.h"
+#include "tests/engine/validating_device.h"
+#include "tests/host/loops/ring_walk.h"
+#include "tests/host/sources/memory_sequence.h"
+
+namespace rosefusion::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr int kFrames = 121;  // a lap and a tenth
+constexpr double kScale = 1.05;
+constexpr int kFirstScaled = 30, kScaledEnd = 80;
+
+Settings walkSettings(bool loops) {
+  Settings settings = loadSettings("default");
+  applyAssignment(settings, "swarm.levels=1024/16 512/8 256/4");  // a frame takes milliseconds
+  applyAssignment(settings, "tracking.templates_per_level=3");
+  settings.volume.voxel_size = 0.03;
+  settings.volume.truncation = 0.09;
+  settings.loops.enabled = loops;
+  return settings;
+}
+
+const std::vector<Frame>& walkFrames() {
+  static const std::vector<Frame> frames = [] {
+    const Scene scene = ringHall();
+    const Tracer tracer(scene);
+    std::vector<Frame> out;
+    for (int i = 0; i < kFrames; ++i)
+      out.push_back(ringFrame(tracer, i, i >= kFirstScaled && i < kScaledEnd ? kScale : 1));
+    return out;
+  }();
+  return frames;
+}
+
+class LoopClosing : public ValidatingDevice {
+ protected:
+  struct Walk {
+    std::vector<Pose> live, poses;  ///< as each frame's result said, and at the end
+    RunSummary summary;
+    nlohmann::ordered_json report;
+    std::uint32_t blocks = 0;
+  };
+  static Walk walk(bool loops) {
+    MemorySequence sequence(walkFrames(), kRingCamera, kRingUnits);
+    SequenceSource source(sequence, {});
+    Pipeline pipeline(device(), walkSettings(loops), kRingCamera, kRingUnits);
+    Walk out;
+    out.summary = reconstruct(source, pipeline, 0, [&](const RunProgress& p) {
+      EXPECT_NE(p.last->result.status, TrackingStatus::Lost) << p.done << ": " << p.last->result.reason;
+      out.live.push_back(p.last->result.world_from_camera);
+    });
+    for (const RunFrame& frame : out.summary.frames) out.poses.push_back(frame.result.world_from_camera);
+    out.report = reportJson(out.summary, sequence.info(), pipeline);
+    out.blocks = pipeline.volume().blockCount();
+    return out;
+  }
+};
+
+double errorAt(std::size_t i, const std::vector<Pose>& poses) {
+  const Pose truth = ringPose(0).inverse() * ringPose(ringWay(static_cast<int>(i)));
+  return (truth.translation() - poses[i].translation()).norm();
+}
+
+double meanError(const std::vector<Pose>& poses, std::size_t first) {
+  double sum = 0;
+  for (std::size_t i = first; i < poses.size(); ++i) sum += errorAt(i, poses);
+  return sum / double(poses.size() - first);
+}
+
+/// The report and the table tell of the closures.
+void expectTold(const RunSummary& summary, const nlohmann::ordered_json& report) {
+  const auto& loops = report.at("loops");
+  EXPECT_GE(loops.at("checks").get<int>(), loops.at("agreements").get<int>());
+  EXPECT_GT(loops.at("keyframes"), 20);
+  EXPECT_GT(loops.at("image_bytes"), 0);
+  std::istringstream table(framesCsv(summary));
+  std::string head, row;
+  std::getline(table, head);
+  EXPECT_THAT(head, HasSubstr(",loop_to_s,loop_shift_m,loop_turn_rad"));
+  int told = 0;
+  for (const RunFrame& frame : summary.frames) {
+    std::getline(table, row);
+    EXPECT_EQ(std::count(row.begin(), row.end(), ','), std::count(head.begin(), head.end(), ','));
+    EXPECT_EQ(!row.ends_with(",,"), frame.result.loop.has_value()) << row;
+    told += !row.ends_with(",,");
+  }
+  EXPECT_GE(told, 1);
+  EXPECT_EQ(told, loops.at("closures"));
+}
+
+// One case, because the walks are what takes time.
+TEST_F(LoopClosing, TakesOutTheDriftThatStaysWithoutIt) {
+  const Walk open = walk(false), closed = walk(true);
+  std::size_t first = 0;
+  while (first < kFrames && !closed.summary.frames[first].result.loop) {
+    ASSERT_EQ(closed.live[first].matrix(), open.live[first].matrix())
+        << "a loop not yet closed changes nothing";
+    ++first;
+  }
+  ASSERT_LT(first, kFrames - 2u) << "no loop was closed, or too late for what follows";
+  EXPECT_GT(first, 90u) << "the camera comes back only then";
+  EXPECT_GT(closed.summary.frames[first].result.loop->shift, 0.1);
+
+  EXPECT_GT(meanError(open.poses, first), 0.1);
+  EXPECT_LT(meanError(closed.poses, first), 0.05);
+  EXPECT_LT(meanError(closed.poses, 0), meanError(open.poses, 0))
+      << "the way is corrected, not its end alone";
+  EXPECT_LT(closed.blocks, open.blocks) << "walls that were there twice are there once";
+  expectTold(closed.summary, closed.report);
+  EXPECT_FALSE(open.report.contains("loops"));
+}
+
+TEST_F(LoopClosing, FramesOfKnownPoseAreRefused) {
+  Pipeline pipeline(device(), walkSettings(true), kRingCamera, kRingUnits);
+  try {
+    pipeline.fuseFrame(walkFrames()[0], Pose::Identity());
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("loops.enabled"));
+  }
+  EXPECT_EQ(pipeline.volume().blockCount(), 0u);
+}
+
+}  // namespace
+}  // namespace rosefusion::testing
