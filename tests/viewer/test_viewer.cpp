@@ -112,8 +112,9 @@ TEST_F(ViewerTest, ADrivenSessionLeavesItsFiles) {
     if (shell(std::string("command -v ") + tool).code != 0)
       GTEST_SKIP() << tool << " is not installed, so that nobody can press the viewer's keys.";
   const fs::path out = folder_ / "out";
-  const Outcome outcome = shell("bash " ROSEFUSION_VIEWER_TESTS "/drive.sh " ROSEFUSION_VIEWER " '" ROSEFUSION_DROP "' " +
-                                sequence() + " " + out.string() + kQuick + " --validation");
+  const Outcome outcome =
+      shell("bash " ROSEFUSION_VIEWER_TESTS "/drive.sh " ROSEFUSION_VIEWER " '" ROSEFUSION_DROP "' " +
+            sequence() + " " + out.string() + kQuick + " --validation");
   ASSERT_EQ(outcome.code, 0) << outcome.text;
   Settings settings;
   applyYamlFile(settings, out / "settings.yaml");
