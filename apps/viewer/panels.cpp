@@ -14,6 +14,7 @@ namespace rosefusion::viewer {
 namespace {
 
 constexpr int kFiguresWidth = 380, kControlsHeight = 112;
+constexpr int kAllInOneRow = 620;  // pixels that the controls need for that
 constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr float kFontSize = 15, kLargeSize = 22;
 constexpr float kMegabyte = 1 << 20;
@@ -278,7 +279,10 @@ void drawControls(const Snapshot& s, Session& session, ViewCamera& view, PanelSt
   if (ImGui::Button("Reset", {wide, 0})) session.reset();
   ImGui::EndDisabled();
   for (const ViewMode mode : {ViewMode::Orbit, ViewMode::Follow, ViewMode::FirstPerson}) {
-    ImGui::SameLine(0, mode == ViewMode::Orbit ? 28 : 8);
+    if (mode != ViewMode::Orbit)
+      ImGui::SameLine();
+    else if (ImGui::GetWindowWidth() >= kAllInOneRow)
+      ImGui::SameLine(0, 28);
     if (ImGui::RadioButton(toString(mode), view.mode() == mode)) view.setMode(mode);
   }
   ImGui::TextColored(s.problem ? kBad : kCalm, "%s", s.message.c_str());
@@ -333,8 +337,9 @@ void heedMouse(const Rectangle& area, ViewCamera& view) {
 Layout Layout::of(int width, int height, bool has_depth) {
   Layout l;
   l.figures = {width - kFiguresWidth, 0, kFiguresWidth, height};
-  l.controls = {0, height - kControlsHeight, width - kFiguresWidth, kControlsHeight};
-  l.surface = {0, 0, width - kFiguresWidth, height - kControlsHeight};
+  const int left = width - kFiguresWidth, below = kControlsHeight + (left < kAllInOneRow ? 28 : 0);
+  l.controls = {0, height - below, left, below};
+  l.surface = {0, 0, left, height - below};
   const int depth_width = l.surface.width / 4;
   if (has_depth)
     l.depth = {12, l.surface.height - 12 - depth_width * 3 / 4, depth_width, depth_width * 3 / 4};
