@@ -11,7 +11,7 @@ namespace {
 // Travelled until the next comparison: after one that found the camera where it was thought, and after one
 // that found nothing.
 constexpr double kAfterAgreement = 1, kAfterNothing = 0.3;
-// Two keyframes in a row must ask for the same correction, to this and a share of it.
+// Two keyframes, not far apart, must ask for the same correction, to this and a share of it.
 constexpr double kSameShift = 0.03, kSameTurn = 0.02, kSameShare = 0.1;
 constexpr double kPendingFor = 1;  // travelled between the two
 constexpr double kCloseToOldPlace = 0.75;
@@ -58,7 +58,6 @@ class KeyframeLoopCloser : public LoopCloser {
     ++figures_.checks;
     const std::optional<Pose> found = measure(*old, on_device, pose);
     if (!found) {
-      pending_.reset();
       next_check_ = map_.travelled() + kAfterNothing;
       return {};
     }

@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr int kFrames = 121;  // a lap and a tenth
+constexpr int kFrames = 127;  // a lap and a seventh
 constexpr double kScale = 1.05;
 constexpr int kFirstScaled = 30, kScaledEnd = 80;
 
