@@ -102,8 +102,10 @@ TEST(CommandLine, InterruptFinishesTheFiles) {
   const TemporaryFolder folder;
   ASSERT_EQ(program("synth " + (folder / "s").string() + " --frames 90 --width 160 --height 120").code, 0);
   const std::string out = (folder / "o").string();
-  const Outcome outcome =
-      program("run " + (folder / "s").string() + " --out " + out, "timeout --preserve-status -s INT 8 env");
+  // Without --foreground timeout signals the child and then its group, and a second Ctrl-C ends the program
+  // at once.
+  const Outcome outcome = program("run " + (folder / "s").string() + " --out " + out,
+                                  "timeout --foreground --preserve-status -s INT 8 env");
   // A fast machine may have finished before the signal.
   EXPECT_TRUE(outcome.code == kExitInterrupted || outcome.code == 0) << outcome.text;
   for (const char* file :
