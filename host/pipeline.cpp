@@ -66,20 +66,13 @@ void judge(const TrackingSettings& limits, FrameResult& result) {
   }
 }
 
-constexpr double kCloseAmongUsable = 0.75;
 constexpr double kIntrudingWhenFound = 0.5;
 constexpr double kShareOfNext = 0.5;
 constexpr int kConfirmations = 2;  // frames after the one that was found again
 
-/// Whether at least this share of the image lies on the model and holds the pose in all directions.
-bool holds(const Settings& limits, const PoseFit& fit, double share) {
-  return fit.usable >= share && fit.close >= kCloseAmongUsable * fit.usable &&
-         fit.constraint >= limits.refine.least_constraint;
-}
-
 /// Whether a pose that was searched in the whole model may be believed.
 bool confirms(const Settings& limits, const FrameResult& result, double share) {
-  return holds(limits, *result.fit, share) &&
+  return result.fit->holds(share, limits.refine.least_constraint) &&
          result.intruding <= kIntrudingWhenFound * limits.tracking.intruding_share;
 }
 
@@ -208,8 +201,8 @@ void Pipeline::track(const Frame& frame, FrameResult& result) {
       intruded_ = isIntruded(result);
     }
     if (intruded_ && result.status != TrackingStatus::Lost) {
-      const bool held =
-          result.fit && holds(settings_, *result.fit, kShareOfNext * settings_.tracking.relocalised_share);
+      const double share = kShareOfNext * settings_.tracking.relocalised_share;
+      const bool held = result.fit && result.fit->holds(share, settings_.refine.least_constraint);
       result.status = held ? TrackingStatus::Uncertain : TrackingStatus::Lost;
       result.reason = "something came before the camera (" + percent(result.intruding) + " of the image)" +
                       (held ? "; not fused until it is gone" : " and hides the scene");

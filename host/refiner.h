@@ -24,6 +24,12 @@ struct PoseFit {
   double usable = 0;      ///< share that reads a distance
   double close = 0;       ///< share nearer to the surface than refine.huber
   double constraint = 0;  ///< how firmly the depth holds the least constrained direction; a plane's own is 1
+
+  /// Whether a pose may be believed by this alone: at least `share` of the pixels reads a distance, three
+  /// quarters of those are close, and every direction is held by `least_constraint`.
+  bool holds(double share, double least_constraint) const {
+    return usable >= share && close >= 0.75 * usable && constraint >= least_constraint;
+  }
 };
 
 class Refiner {

@@ -10,7 +10,8 @@
 
 namespace rosefusion {
 
-/// Remembers the last image, and some 40 kB of every one that shows the scene from elsewhere. One thread.
+/// Remembers the last image, and 77 kB (of 640 x 480 pixels) of every one that shows the scene from
+/// elsewhere. One thread.
 class SeenThrough {
  public:
   SeenThrough(const Intrinsics& camera, const DepthSettings& range, double depth_units_per_metre)

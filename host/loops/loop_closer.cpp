@@ -13,8 +13,7 @@ namespace {
 constexpr double kAfterAgreement = 1, kAfterNothing = 0.3;
 // Two keyframes, not far apart, must ask for the same correction, to this and a share of it.
 constexpr double kSameShift = 0.03, kSameTurn = 0.02, kSameShare = 0.1;
-constexpr double kPendingFor = 1;  // travelled between the two
-constexpr double kCloseToOldPlace = 0.75;
+constexpr double kPendingFor = 1;        // travelled between the two
 constexpr double kConstraintFactor = 5;  // of refine.least_constraint: what holds a tie in every direction
 
 /// What a measured pose asks for: a transform of the world.
@@ -137,8 +136,7 @@ class KeyframeLoopCloser : public LoopCloser {
   }
 
   bool confirms(const PoseFit& fit) const {
-    return fit.usable >= settings_.loops.share && fit.close >= kCloseToOldPlace * fit.usable &&
-           fit.constraint >= kConstraintFactor * settings_.refine.least_constraint;
+    return fit.holds(settings_.loops.share, kConstraintFactor * settings_.refine.least_constraint);
   }
 
   /// Pose of the frame in the map, from the old keyframe's surroundings alone; none where it does not fit.
