@@ -35,6 +35,9 @@ void requirePlausible(const Intrinsics& intrinsics, const std::string& source);
 /// Rotation angle of a rigid transform, radians in [0, pi].
 double rotationAngle(const Pose& pose);
 
+/// Whether two poses are less than this apart, in metres and radians.
+bool areNear(const Pose& a, const Pose& b, double shift, double turn);
+
 /// Unit quaternion with w >= 0, so that the imaginary part alone describes the rotation.
 Eigen::Quaterniond canonical(const Eigen::Quaterniond& q);
 

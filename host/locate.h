@@ -8,8 +8,17 @@ namespace rosefusion {
 
 /// Around each centre a wide swarm is scanned; the best few are searched and let down to the surface. The
 /// result's fit says whether to believe it: every valid pixel counts, also what the model does not hold.
+/// `more`: further poses, within some centimetres of where the camera may be, that are let down too.
 TrackResult locate(SwarmSearch& search, Refiner& refiner, const RefineSettings& settings,
                    const PreprocessPass& frame, const Volume& volume, std::span<const Pose> centres,
-                   const SearchObserver& observer = {});
+                   const SearchObserver& observer = {}, std::span<const Pose> more = {});
+
+/// The same from afar: poses with these rotations, metres away from the places, narrowed down in the coarse
+/// model `overview` and then in `volume`. `turn` counts the calls while the camera is lost: where there are
+/// too many places for one frame, each call looks at others, and begins with the first.
+std::vector<Pose> locateWidely(SwarmSearch& search, const PreprocessPass& frame, const Volume& overview,
+                               const Volume& volume, std::span<const Eigen::Vector3d> places,
+                               std::span<const Eigen::Matrix3d> rotations, std::size_t turn,
+                               std::uint64_t& lookups);
 
 }  // namespace rosefusion

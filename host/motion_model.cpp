@@ -7,6 +7,9 @@ namespace rosefusion {
 namespace {
 
 constexpr double kLongest = 0.2;  // seconds that a velocity is believed
+// A pause of so many of the usual intervals, and of so many seconds, in which the camera may have gone
+// anywhere.
+constexpr double kPauseIntervals = 5, kPause = 0.25;
 
 }  // namespace
 
@@ -19,6 +22,12 @@ void MotionModel::add(const Pose& world_from_camera, double timestamp) {
 void MotionModel::rebase(const Pose& new_from_old_world) {
   for (std::optional<Stamped>* pose : {&last_, &before_})
     if (*pose) (*pose)->world_from_camera = new_from_old_world * (*pose)->world_from_camera;
+}
+
+bool MotionModel::isInterrupted(double timestamp) const {
+  if (!before_) return false;
+  const double passed = timestamp - last_->timestamp;
+  return passed > kPause && passed > kPauseIntervals * (last_->timestamp - before_->timestamp);
 }
 
 Pose MotionModel::predict(double timestamp) const {

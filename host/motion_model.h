@@ -14,6 +14,9 @@ class MotionModel {
   /// The last pose carried on; as it is where no velocity is known. Velocities fade when nothing was added
   /// for long.
   Pose predict(double timestamp) const;
+  /// Whether frames seem to be missing before this time: it is far later than the last pose, by the time
+  /// between the last two.
+  bool isInterrupted(double timestamp) const;
   /// The world was corrected: where its poses are now.
   void rebase(const Pose& new_from_old_world);
   /// After a loss: the next pose makes no velocity with those before it.

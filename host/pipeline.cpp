@@ -1,5 +1,6 @@
 #include "host/pipeline.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 
@@ -68,13 +69,8 @@ void judge(const TrackingSettings& limits, FrameResult& result) {
 
 constexpr double kIntrudingWhenFound = 0.5;
 constexpr double kShareOfNext = 0.5;
-constexpr int kConfirmations = 2;  // frames after the one that was found again
-
-/// Whether a pose that was searched in the whole model may be believed.
-bool confirms(const Settings& limits, const FrameResult& result, double share) {
-  return result.fit->holds(share, limits.refine.least_constraint) &&
-         result.intruding <= kIntrudingWhenFound * limits.tracking.intruding_share;
-}
+constexpr double kElsewhere = 0.3;  // metres and radians: two places that look alike are none
+constexpr int kConfirmations = 2;   // frames after the one that was found again
 
 /// A pose whose depth leaves a direction open is held there by the motion model, and may drift.
 void judgeConstraint(const RefineSettings& limits, FrameResult& result) {
@@ -103,7 +99,8 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
       volume_(device, volumeOptions(settings)),
       fuser_(makeFuser()),
       tracker_(device, settings, intrinsics, templatesFor(settings, log)),
-      seen_through_(intrinsics, settings.depth, depth_units_per_metre) {
+      seen_through_(intrinsics, settings.depth, depth_units_per_metre),
+      overview_(device, settings, intrinsics, depth_units_per_metre) {
   if (settings.loops.enabled)
     loops_ = makeLoopCloser(device, settings, intrinsics, depth_units_per_metre, tracker_.templates());
 }
@@ -143,7 +140,8 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
     seen_through_.keep(frame.depth, result.world_from_camera);
     started_ = true;
   }
-  tracker_.accept(result.world_from_camera, result.timestamp, result.fused);
+  if (tracker_.accept(result.world_from_camera, result.timestamp, result.fused))
+    overview_.add(fuser_, recorder_, frame.depth, result.world_from_camera);
   if (loops_) closeLoops(frame, result);
   return result;
 }
@@ -156,6 +154,7 @@ void Pipeline::closeLoops(const Frame& frame, FrameResult& result) {
   loops_->rebuild(volume_);
   result.world_from_camera = loops_->framePoses().back();
   tracker_.rebase(result.world_from_camera, loops_->keyframePoses());
+  loops_->rebuild(overview_.volume());
   seen_through_.forget();  // where its images were taken has changed
 }
 
@@ -167,7 +166,49 @@ void Pipeline::finish() {
 /// last fused frame looked is not enough.
 bool Pipeline::isIntruded(const FrameResult& result) {
   if (result.intruding > settings_.tracking.intruding_share) return true;
-  return intruded_ && !(result.fit && confirms(settings_, result, settings_.tracking.relocalised_share));
+  return intruded_ &&
+         !(result.fit && result.intruding <= kIntrudingWhenFound * settings_.tracking.intruding_share &&
+           result.fit->holds(settings_.tracking.relocalised_share, settings_.refine.least_constraint));
+}
+
+std::optional<PoseFit> Pipeline::believe(const Frame& frame, const TrackResult& found, double share) const {
+  const double intruding = settings_.tracking.intruding_share;
+  std::optional<PoseFit> believed;
+  const auto consider = [&](const PoseFit& fit) {
+    const Pose& pose = fit.world_from_camera;
+    if (!fit.holds(share, settings_.refine.least_constraint) ||
+        seen_through_.shareOfAll(frame.depth, pose) > kIntrudingWhenFound * intruding ||
+        seen_through_.shareMissing(frame.depth, pose) > intruding)
+      return true;
+    if (!believed) believed = fit;
+    return areNear(believed->world_from_camera, pose, kElsewhere, kElsewhere);
+  };
+  if (found.candidates.empty()) {
+    consider(*found.fit);
+    return believed;
+  }
+  const bool alone = std::all_of(found.candidates.begin(), found.candidates.end(), consider);
+  return alone ? believed : std::nullopt;
+}
+
+/// Once lost or in doubt, several frames must agree before one is fused.
+void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result) {
+  // A frame that agrees with the one found before it may see more that is new.
+  const double share = settings_.tracking.relocalised_share;
+  const std::optional<PoseFit> believed = believe(frame, found, unsure ? share : kShareOfNext * share);
+  if (believed) result.fit = believed;
+  result.intruding = seen_through_.shareOfAll(frame.depth, result.fit->world_from_camera);
+  if (!believed) {
+    unconfirmed_ = 0;
+    result.status = TrackingStatus::Lost;
+    result.reason = "the frame fits nowhere in the model surely enough";
+    return;
+  }
+  unconfirmed_ = unsure ? kConfirmations : unconfirmed_ - 1;
+  result.status = TrackingStatus::Relocalised;
+  result.reason = tracker_.isLost() ? "found again; fused once the next frames agree"
+                                    : "a sudden change; fused once the next frames agree";
+  result.world_from_camera = believed->world_from_camera;
 }
 
 void Pipeline::track(const Frame& frame, FrameResult& result) {
@@ -179,34 +220,27 @@ void Pipeline::track(const Frame& frame, FrameResult& result) {
     return;
   }
   if (result.score.valid_share < settings_.tracking.min_valid_share) return judge(settings_.tracking, result);
-  const TrackResult found = tracker_.track(fuser_.frame(), volume_, result.timestamp);
+  const TrackResult found = tracker_.isLost() ? tracker_.find(fuser_.frame(), volume_, overview_.volume(),
+                                                              overview_.rotationsOf(frame.depth))
+                                              : tracker_.track(fuser_.frame(), volume_, result.timestamp);
   result.iterations = found.iterations;
   result.lookups = found.lookups;
   result.fit = found.fit;
-  if (tracker_.isLost() || unconfirmed_ > 0) {
-    result.intruding = seen_through_.shareOfAll(frame.depth, found.world_from_camera);
-    // A frame that agrees with the one found before it may see more that is new.
-    const double share = settings_.tracking.relocalised_share;
-    const bool agrees = confirms(settings_, result, tracker_.isLost() ? share : kShareOfNext * share);
-    unconfirmed_ = !agrees ? 0 : tracker_.isLost() ? kConfirmations : unconfirmed_ - 1;
-    result.status = agrees ? TrackingStatus::Relocalised : TrackingStatus::Lost;
-    result.reason = agrees ? "found again; fused once the next frames agree"
-                           : "the frame fits nowhere in the model surely enough";
-  } else {
-    result.score = tracker_.score(fuser_.frame(), volume_, found.world_from_camera);
-    judge(settings_.tracking, result);
-    judgeConstraint(settings_.refine, result);
-    if (result.status != TrackingStatus::Lost) {
-      result.intruding = seen_through_.shareOfLast(frame.depth, found.world_from_camera);
-      intruded_ = isIntruded(result);
-    }
-    if (intruded_ && result.status != TrackingStatus::Lost) {
-      const double share = kShareOfNext * settings_.tracking.relocalised_share;
-      const bool held = result.fit && result.fit->holds(share, settings_.refine.least_constraint);
-      result.status = held ? TrackingStatus::Uncertain : TrackingStatus::Lost;
-      result.reason = "something came before the camera (" + percent(result.intruding) + " of the image)" +
-                      (held ? "; not fused until it is gone" : " and hides the scene");
-    }
+  const bool unsure = tracker_.isLost() || found.doubtful;
+  if (unsure || unconfirmed_ > 0) return confirm(frame, found, unsure, result);
+  result.score = tracker_.score(fuser_.frame(), volume_, found.world_from_camera);
+  judge(settings_.tracking, result);
+  judgeConstraint(settings_.refine, result);
+  if (result.status != TrackingStatus::Lost) {
+    result.intruding = seen_through_.shareOfLast(frame.depth, found.world_from_camera);
+    intruded_ = isIntruded(result);
+  }
+  if (intruded_ && result.status != TrackingStatus::Lost) {
+    const double share = kShareOfNext * settings_.tracking.relocalised_share;
+    const bool held = result.fit && result.fit->holds(share, settings_.refine.least_constraint);
+    result.status = held ? TrackingStatus::Uncertain : TrackingStatus::Lost;
+    result.reason = "something came before the camera (" + percent(result.intruding) + " of the image)" +
+                    (held ? "; not fused until it is gone" : " and hides the scene");
   }
   if (result.status != TrackingStatus::Lost) result.world_from_camera = found.world_from_camera;
 }
@@ -217,7 +251,8 @@ void Pipeline::fuseFrame(const Frame& frame, const Pose& world_from_camera) {
   recorder_.submit();
   fuser_.fuse(recorder_, volume_, world_from_camera);
   seen_through_.keep(frame.depth, world_from_camera);
-  accept(world_from_camera, frame.timestamp);
+  if (acceptKnown(world_from_camera, frame.timestamp))
+    overview_.add(fuser_, recorder_, frame.depth, world_from_camera);
 }
 
 void Pipeline::requireFixedPoses() const {
@@ -226,11 +261,15 @@ void Pipeline::requireFixedPoses() const {
         "loops.enabled moves poses, and cannot be on where frames of known pose are fused; leave it off.");
 }
 
-void Pipeline::accept(const Pose& world_from_camera, double timestamp) {
+bool Pipeline::acceptKnown(const Pose& world_from_camera, double timestamp) {
   requireFixedPoses();
   started_ = true;
   unconfirmed_ = 0;
-  tracker_.accept(world_from_camera, timestamp, true);
+  return tracker_.accept(world_from_camera, timestamp, true);
+}
+
+void Pipeline::accept(const Pose& world_from_camera, double timestamp) {
+  acceptKnown(world_from_camera, timestamp);
 }
 
 }  // namespace rosefusion

@@ -5,6 +5,7 @@
 #include "host/frame_fuser.h"
 #include "host/log.h"
 #include "host/loops/loop_closer.h"
+#include "host/overview.h"
 #include "host/seen_through.h"
 #include "host/tracker.h"
 
@@ -77,9 +78,14 @@ class Pipeline {
 
  private:
   void track(const Frame& frame, FrameResult& result);
+  /// Of the poses found, least cost first, the one that everything seen speaks for: the image shows what
+  /// should be there and nothing where there was nothing. None where two places would do.
+  std::optional<PoseFit> believe(const Frame& frame, const TrackResult& found, double share) const;
+  void confirm(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result);
   bool isIntruded(const FrameResult& result);
   void closeLoops(const Frame& frame, FrameResult& result);
   void requireFixedPoses() const;
+  bool acceptKnown(const Pose& world_from_camera, double timestamp);
 
   Device& device_;
   Settings settings_;
@@ -90,6 +96,7 @@ class Pipeline {
   FrameFuser fuser_;
   Tracker tracker_;
   SeenThrough seen_through_;
+  Overview overview_;                  ///< of the keyframes
   std::unique_ptr<LoopCloser> loops_;  ///< with loops.enabled
   bool started_ = false;
   bool intruded_ = false;

@@ -13,8 +13,10 @@ namespace rosefusion {
 struct TrackResult {
   Pose world_from_camera = Pose::Identity();
   int iterations = 0;
-  std::uint64_t lookups = 0;   ///< TSDF voxels read; of icp the pixels paired
-  std::optional<PoseFit> fit;  ///< where the descent ended; empty without it
+  std::uint64_t lookups = 0;        ///< TSDF voxels read; of icp the pixels paired
+  std::optional<PoseFit> fit;       ///< where the descent ended; empty without it
+  std::vector<PoseFit> candidates;  ///< of a search of the whole model: distinct poses, least cost first
+  bool doubtful = false;            ///< fits far worse than the frames before it, or came long after them
 };
 
 /// One thread.

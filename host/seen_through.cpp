@@ -14,11 +14,6 @@ constexpr double kMargin = 0.1, kMarginShare = 0.05;
 // A view is worth keeping where none is within this.
 constexpr double kViewShift = 0.4, kViewTurn = 0.4;
 
-bool isNear(const Pose& a, const Pose& b) {
-  const Eigen::AngleAxisd turn(Eigen::Matrix3d(a.linear() * b.linear().transpose()));
-  return (a.translation() - b.translation()).norm() < kViewShift && turn.angle() < kViewTurn;
-}
-
 }  // namespace
 
 double SeenThrough::metresAt(const cv::Mat& depth, int u, int v) const {
@@ -26,14 +21,19 @@ double SeenThrough::metresAt(const cv::Mat& depth, int u, int v) const {
   return z >= range_.min && z <= range_.max ? z : 0;
 }
 
-void SeenThrough::keep(const cv::Mat& depth, const Pose& world_from_camera) {
+SeenThrough::View SeenThrough::shrunk(const cv::Mat& depth, const Pose& world_from_camera) const {
   cv::Mat small(depth.rows / kKeptStride, depth.cols / kKeptStride, CV_32F);
   for (int v = 0; v < small.rows; ++v)
     for (int u = 0; u < small.cols; ++u)
       small.at<float>(v, u) = static_cast<float>(metresAt(depth, u * kKeptStride, v * kKeptStride));
-  last_ = {small, world_from_camera, world_from_camera.inverse()};
-  if (std::none_of(keyframes_.begin(), keyframes_.end(),
-                   [&](const View& view) { return isNear(view.world_from_camera, world_from_camera); }))
+  return {small, world_from_camera, world_from_camera.inverse()};
+}
+
+void SeenThrough::keep(const cv::Mat& depth, const Pose& world_from_camera) {
+  last_ = shrunk(depth, world_from_camera);
+  if (std::none_of(keyframes_.begin(), keyframes_.end(), [&](const View& view) {
+        return areNear(view.world_from_camera, world_from_camera, kViewShift, kViewTurn);
+      }))
     keyframes_.push_back(last_);
 }
 
@@ -49,6 +49,15 @@ bool SeenThrough::seesThrough(const View& view, const Eigen::Vector3d& world) co
   const auto at = [&](int x, int y) { return view.depth.at<float>(y, x); };
   const double nearest = std::min({at(u, v), at(u + 1, v), at(u, v + 1), at(u + 1, v + 1)});
   return nearest - p.z() > std::max(kMargin, kMarginShare * p.z());
+}
+
+bool SeenThrough::shows(const View& view, const Eigen::Vector3d& world) const {
+  const Eigen::Vector3d p = view.camera_from_world * world;
+  if (p.z() <= 0) return false;
+  const Eigen::Vector2d pixel = camera_.project(p) / kKeptStride;
+  const int u = static_cast<int>(std::lround(pixel.x())), v = static_cast<int>(std::lround(pixel.y()));
+  if (u < 0 || v < 0 || u >= view.depth.cols || v >= view.depth.rows) return false;
+  return std::abs(view.depth.at<float>(v, u) - p.z()) < std::max(kMargin, kMarginShare * p.z());
 }
 
 template <typename Test>
@@ -75,6 +84,23 @@ double SeenThrough::shareOfAll(const cv::Mat& depth, const Pose& world_from_came
     return std::any_of(keyframes_.begin(), keyframes_.end(),
                        [&](const View& view) { return seesThrough(view, world); });
   });
+}
+
+double SeenThrough::shareMissing(const cv::Mat& depth, const Pose& world_from_camera) const {
+  View now = shrunk(depth, world_from_camera);
+  int expected = 0, missing = 0;
+  for (const View& view : keyframes_)
+    for (int v = 0; v < view.depth.rows; v += kStride / kKeptStride)
+      for (int u = 0; u < view.depth.cols; u += kStride / kKeptStride) {
+        const double z = view.depth.at<float>(v, u);
+        if (z == 0) continue;
+        const Eigen::Vector3d world =
+            view.world_from_camera * camera_.unproject(u * kKeptStride, v * kKeptStride, z);
+        const bool through = seesThrough(now, world);
+        missing += through;
+        expected += through || shows(now, world);
+      }
+  return expected ? static_cast<double>(missing) / expected : 0;
 }
 
 }  // namespace rosefusion

@@ -26,12 +26,18 @@ class SeenThrough {
   double shareOfLast(const cv::Mat& depth, const Pose& world_from_camera) const;
   /// The same for all that was kept.
   double shareOfAll(const cv::Mat& depth, const Pose& world_from_camera) const;
+  /// The other way round: of the surfaces in all that was kept and that should now be in view, the share that
+  /// the image looks through. Small where the pose is right and the scene unchanged.
+  double shareMissing(const cv::Mat& depth, const Pose& world_from_camera) const;
 
  private:
   struct View {
     cv::Mat depth;  ///< CV_32F metres of every 4th pixel; 0 where invalid
     Pose world_from_camera = Pose::Identity(), camera_from_world = Pose::Identity();
   };
+  View shrunk(const cv::Mat& depth, const Pose& world_from_camera) const;
+  /// Whether the view shows a surface at this point.
+  bool shows(const View& view, const Eigen::Vector3d& world) const;
   double metresAt(const cv::Mat& depth, int u, int v) const;
   /// Whether the view shows nothing but surfaces well behind this point, a pixel of its own around.
   bool seesThrough(const View& view, const Eigen::Vector3d& world) const;

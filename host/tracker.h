@@ -20,9 +20,14 @@ class Tracker {
   void move(const std::optional<CameraMotion>& motion);
   /// Pose of the frame held by `frame`. Call accept() where it is believed.
   TrackResult track(const PreprocessPass& frame, const Volume& volume, double timestamp);
-  /// Tells that the frame at `timestamp` has this pose, and whether it was fused.
-  void accept(const Pose& world_from_camera, double timestamp, bool fused);
-  /// Tells that the last track() found no pose: from now on the whole model is searched.
+  /// The same for a lost camera: the whole model is searched, from afar in `overview`, with the camera turned
+  /// in one of these ways.
+  TrackResult find(const PreprocessPass& frame, const Volume& volume, const Volume& overview,
+                   std::span<const Eigen::Matrix3d> rotations);
+  /// Tells that the frame at `timestamp` has this pose, and whether it was fused. True where that makes it a
+  /// keyframe.
+  bool accept(const Pose& world_from_camera, double timestamp, bool fused);
+  /// Tells that the last track() or find() found no pose: from now on find() is to be called.
   void lose();
   bool isLost() const { return lost_; }
   /// From now on told of every iteration of the searches with particles.
@@ -38,10 +43,10 @@ class Tracker {
   const Pose& last() const { return last_; }
 
  private:
-  void addKeyframe(const Pose& world_from_camera);
-  TrackResult relocalise(const PreprocessPass& frame, const Volume& volume);
+  bool addKeyframe(const Pose& world_from_camera);
   void search(const PreprocessPass& frame, const Volume& volume, const Pose& start, TrackResult& result);
-  bool suspicious(double cost) const;
+  /// Median cost of the last frames; none at the start and after a loss.
+  std::optional<double> usualCost() const;
   /// `otherwise`, with as much of it replaced as the motion told since the last accepted frame knows better.
   Pose asTold(const Pose& otherwise) const;
 
@@ -54,6 +59,7 @@ class Tracker {
   std::optional<CameraMotion> told_;  ///< since the last accepted frame; see move()
   std::vector<Pose> keyframes_;       ///< fused poses, spread over the model
   bool lost_ = false;
+  std::size_t lost_frames_ = 0;
   std::deque<double> costs_;  ///< of the last frames
   Pose last_ = Pose::Identity();
 };

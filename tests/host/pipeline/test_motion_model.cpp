@@ -90,6 +90,23 @@ TEST(MotionModel, APredictionForThePastStaysAtTheLastPose) {
     EXPECT_LT(distance(model.predict(timestamp), moving(0.03)), kExact);
 }
 
+TEST(MotionModel, KnowsWhenFramesAreMissing) {
+  MotionModel model;
+  EXPECT_FALSE(model.isInterrupted(10));
+  model.add(moving(0), 0);
+  EXPECT_FALSE(model.isInterrupted(10)) << "one pose tells of no usual interval";
+  model.add(moving(0.03), 0.03);
+  EXPECT_FALSE(model.isInterrupted(0.06));
+  EXPECT_FALSE(model.isInterrupted(0.23)) << "a few frames left out, too short to go anywhere";
+  EXPECT_TRUE(model.isInterrupted(0.4));
+
+  MotionModel slow;  // a frame a second is what this camera gives
+  slow.add(moving(0), 0);
+  slow.add(moving(1), 1);
+  EXPECT_FALSE(slow.isInterrupted(3));
+  EXPECT_TRUE(slow.isInterrupted(7));
+}
+
 TEST(MotionModel, LongGapsAreNotBridged) {
   MotionModel model;  // two poses a second apart say nothing about now
   model.add(moving(0), 0);

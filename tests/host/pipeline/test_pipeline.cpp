@@ -1,6 +1,9 @@
 // The pipeline frame by frame: it follows the camera, says when it cannot, and repeats itself exactly.
+#include <cmath>
+
 #include "host/error.h"
 #include "host/pipeline.h"
+#include "host/synth/renderer.h"
 #include "tests/engine/validating_device.h"
 #include "tests/host/pipeline/short_sequence.h"
 
@@ -20,22 +23,34 @@ double errorAt(std::size_t i, const Pose& estimate, const SynthSequence& sequenc
   return (truth.translation() - estimate.translation()).norm();
 }
 
-TEST_F(PipelineTest, FollowsTheCamera) {
-  Settings settings = loadSettings("paper");
-  applyAssignment(settings, "swarm.levels=10240/16 3072/8 1024/4");  // half the stride at half the resolution
-  Pipeline pipeline = make(settings);
+class PaperPreset : public PipelineTest, public ::testing::WithParamInterface<int> {};
+
+// Plain random search can be off in single frames at up to 4 m/s, and comes back while it is within reach of
+// the surfaces. These rooms were in no experiment.
+TEST_P(PaperPreset, FollowsTheCamera) {
+  SynthOptions options;
+  options.seed = static_cast<std::uint64_t>(GetParam());
+  options.frames = 16;
+  const SynthSequence sequence = makeSequence(options);
+  const Settings settings = loadSettings("paper");
+  Pipeline pipeline(device(), settings, sequence.intrinsics, sequence.depth_units_per_metre);
   double travelled = 0;
-  for (std::size_t i = 0; i < shortSequence().frames.size(); ++i) {
-    const FrameResult result = pipeline.processFrame(shortSequence().frames[i]);
+  int within_truncation = 0;
+  for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
+    const FrameResult result = pipeline.processFrame(sequence.frames[i]);
     EXPECT_NE(result.status, TrackingStatus::Lost) << "frame " << i << ": " << result.reason;
-    // The truncation: a pose further off no longer meets the band around the surfaces.
-    EXPECT_LT(errorAt(i, result.world_from_camera), settings.volume.truncation) << "frame " << i;
+    const double error = errorAt(i, result.world_from_camera, sequence);
+    EXPECT_LT(error, 3 * settings.volume.truncation) << "frame " << i;
+    within_truncation += error < settings.volume.truncation;
     EXPECT_EQ(result.lookups > 0, i > 0) << "only the first frame needs no search";
-    travelled = std::max(travelled, errorAt(i, Pose::Identity()));
+    travelled = std::max(travelled, errorAt(i, Pose::Identity(), sequence));
   }
-  EXPECT_GT(travelled, 0.3) << "the sequence must move enough for the bound above to mean something";
+  EXPECT_GE(within_truncation, 12) << "of 16 frames";
+  EXPECT_GT(travelled, 0.3) << "the sequence must move enough for the bounds above to mean something";
   EXPECT_GT(pipeline.volume().blockCount(), 100u);
 }
+
+INSTANTIATE_TEST_SUITE_P(Rooms, PaperPreset, ::testing::Values(941, 942, 943));
 
 class DefaultPreset : public PipelineTest, public ::testing::WithParamInterface<int> {};
 
@@ -132,6 +147,59 @@ TEST_F(PipelineTest, AJumpIsFollowedWhereAnotherSensorTellsOfItAndElseNotFused) 
         EXPECT_LT(errorAt(i, result.world_from_camera, sequence), 0.03) << "frame " << i;
       }
     }
+  }
+}
+
+/// What a camera at `world_from_camera` sees of the plan's scene, without noise.
+Frame frameFrom(const SynthPlan& plan, const Pose& world_from_camera, double timestamp) {
+  Frame frame;
+  frame.timestamp = timestamp;
+  renderDepth(plan.tracer(), plan.options().intrinsics, world_from_camera)
+      .convertTo(frame.depth, CV_16UC1, kSynthDepthUnitsPerMetre);
+  return frame;
+}
+
+// Further away and further turned than any search around a known pose reaches.
+TEST_F(PipelineTest, ALostCameraIsFoundAgainFromElsewhere) {
+  for (const std::uint64_t seed : {921, 922, 923}) {
+    SCOPED_TRACE(seed);
+    SynthOptions options;
+    options.seed = seed;
+    options.frames = 2;
+    options.intrinsics = {320, 240, 160, 160, 159.5, 119.5};
+    const SynthPlan plan(options);
+    Pipeline pipeline(device(), loadSettings("default"), options.intrinsics, kSynthDepthUnitsPerMetre);
+    const Pose world = plan.truth()[0].world_from_camera;
+    const auto turned = [&](double yaw, double roll) {
+      Pose out = world;
+      out.linear() = world.linear() * (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY()) *
+                                       Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ()))
+                                          .toRotationMatrix();
+      return out;
+    };
+    double seconds = 0;
+    for (double yaw = -0.8; yaw < 0.81; yaw += 0.1, seconds += 0.03)
+      pipeline.fuseFrame(frameFrom(plan, turned(yaw, 0), seconds), world.inverse() * turned(yaw, 0));
+    // To where there is most room.
+    Pose elsewhere = turned(0, 0.6);
+    double most = 0;
+    for (const double angle : {0.0, 1.57, 3.14, 4.71}) {
+      const Eigen::Vector3d there = world * Eigen::Vector3d(1.2 * std::sin(angle), 0, 1.2 * std::cos(angle));
+      const double room = plan.tracer().clearance(there, 2);
+      if (room > most) elsewhere.translation() = there;
+      most = std::max(most, room);
+    }
+    ASSERT_GT(most, 0.3);
+    Frame nothing = frameFrom(plan, world, seconds += 0.03);
+    nothing.depth.setTo(0);
+    ASSERT_EQ(pipeline.processFrame(nothing).status, TrackingStatus::Lost);
+    const auto before = pipeline.volume().download().weight;
+    FrameResult result;
+    for (int i = 0; i < 5 && result.status == TrackingStatus::Lost; ++i)
+      result = pipeline.processFrame(frameFrom(plan, elsewhere, seconds += 0.03));
+    ASSERT_EQ(result.status, TrackingStatus::Relocalised) << result.reason;
+    EXPECT_LT((world * result.world_from_camera.translation() - elsewhere.translation()).norm(), 0.02);
+    EXPECT_EQ(pipeline.volume().download().weight, before);
   }
 }
 

@@ -66,6 +66,17 @@ TEST_F(SeenThroughTest, WhereTheKeptImageIsInvalidNothingIsKnown) {
   EXPECT_EQ(seen_.shareOfLast(blind, at(0, 0, 0)), 0) << "no valid pixel, no share";
 }
 
+TEST_F(SeenThroughTest, ASurfaceThatShouldBeInViewIsMissedWhereTheImageLooksThroughIt) {
+  EXPECT_EQ(seen_.shareMissing(wall(), at(0, 0, 0)), 0);
+  seen_.keep(withHand(wall(), 1500), at(0, 0, 0));
+  EXPECT_EQ(seen_.shareMissing(withHand(wall(), 1500), at(0, 0, 0)), 0);
+  EXPECT_EQ(seen_.shareMissing(withHand(wall(), 1500 + 80), at(0, 0, 0)), 0) << "noise";
+  EXPECT_NEAR(seen_.shareMissing(wall(), at(0, 0, 0)), 0.5, 0.05) << "the near half is not there";
+  EXPECT_EQ(seen_.shareMissing(withHand(wall(), 700), at(0, 0, 0)), 0) << "hidden is not missing";
+  EXPECT_EQ(seen_.shareMissing(wall(), at(20, 0, 0)), 0) << "nothing known should be in view";
+  EXPECT_GT(seen_.shareMissing(wall(), at(0, 0, 0.5)), 0.6) << "the wall should be half a metre nearer";
+}
+
 TEST_F(SeenThroughTest, EarlierImagesAreRemembered) {
   seen_.keep(wall(), at(0, 0, 0));
   seen_.keep(wall(), at(20, 0, 0));
