@@ -101,7 +101,7 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
       depth_units_per_metre_(depth_units_per_metre),
       recorder_(device),
       volume_(device, volumeOptions(settings)),
-      fuser_(makeFuser()),
+      fuser_(device, settings, intrinsics, depth_units_per_metre),
       tracker_(device, settings, intrinsics, templatesFor(settings, log)),
       seen_through_(intrinsics, settings.depth, depth_units_per_metre) {
   if (settings.loops.enabled)
@@ -216,8 +216,12 @@ void Pipeline::fuseFrame(const Frame& frame, const Pose& world_from_camera) {
   fuser_.recordFrame(recorder_, frame);
   recorder_.submit();
   fuser_.fuse(recorder_, volume_, world_from_camera);
-  seen_through_.keep(frame.depth, world_from_camera);
-  accept(world_from_camera, frame.timestamp);
+  accept(world_from_camera, frame.timestamp, frame.depth);
+}
+
+FrameFuser Pipeline::makeFuser() {
+  requireFixedPoses();
+  return {device_, settings_, intrinsics_, depth_units_per_metre_};
 }
 
 void Pipeline::requireFixedPoses() const {
@@ -226,8 +230,8 @@ void Pipeline::requireFixedPoses() const {
         "loops.enabled moves poses, and cannot be on where frames of known pose are fused; leave it off.");
 }
 
-void Pipeline::accept(const Pose& world_from_camera, double timestamp) {
-  requireFixedPoses();
+void Pipeline::accept(const Pose& world_from_camera, double timestamp, const cv::Mat& depth) {
+  if (!depth.empty()) seen_through_.keep(depth, world_from_camera);
   started_ = true;
   unconfirmed_ = 0;
   tracker_.accept(world_from_camera, timestamp, true);
