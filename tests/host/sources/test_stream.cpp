@@ -316,6 +316,16 @@ TEST_F(HostileStream, ADamagedFrameIsRefusedWithAReason) {
   EXPECT_TRUE(same(frame.frame.depth, frames[0].depth));
 }
 
+TEST_F(HostileStream, AFrameBeforeTheStreamHasBegunIsLetPass) {
+  ImageCodec codec;
+  sendRaw(wire::pack(header(wire::Type::Frame), codec.compressDepth(numberedFrames(1, 30)[0].depth)));
+  sendRaw(std::vector<std::byte>(100));
+  expectRefusal("none of rosefusion's");
+  EXPECT_THAT(receiver_.refusals(), ::testing::Not(Contains(HasSubstr("another stream"))))
+      << "as after a restart of the receiver, which the sender has not noticed";
+  expectThatAStreamStillArrives();
+}
+
 TEST_F(HostileStream, ASecondSenderIsToldThatThereIsOne) {
   const auto frames = numberedFrames(3, 30);
   StreamSender first(receiver_.endpoint(), infoOf(frames), {});
