@@ -1,5 +1,6 @@
 // Streams over loopback: whole through broken connections, newest first when live, and deaf to everything
 // else.
+#include <atomic>
 #include <cstring>
 #include <random>
 #include <thread>
@@ -329,8 +330,12 @@ TEST_F(HostileStream, AFrameBeforeTheStreamHasBegunIsLetPass) {
 TEST_F(HostileStream, ASecondSenderIsToldThatThereIsOne) {
   const auto frames = numberedFrames(3, 30);
   StreamSender first(receiver_.endpoint(), infoOf(frames), {});
-  std::thread waiting([&] { EXPECT_TRUE(receiver_.waitForStream(after(20s))); });
-  while (receiver_.info().frames == 0) ASSERT_TRUE(first.send(frames[0], after(20s)));
+  std::atomic<bool> begun = false;
+  std::thread waiting([&] {
+    EXPECT_TRUE(receiver_.waitForStream(after(20s)));
+    begun = true;
+  });
+  while (!begun) ASSERT_TRUE(first.send(frames[0], after(20s)));
   waiting.join();
   Sending second(receiver_.endpoint(), frames);
   EXPECT_FALSE(second.finish());
