@@ -97,7 +97,7 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
       depth_units_per_metre_(depth_units_per_metre),
       recorder_(device),
       volume_(device, volumeOptions(settings)),
-      fuser_(makeFuser()),
+      fuser_(device, settings, intrinsics, depth_units_per_metre),
       tracker_(device, settings, intrinsics, templatesFor(settings, log)),
       seen_through_(intrinsics, settings.depth, depth_units_per_metre),
       overview_(device, settings, intrinsics, depth_units_per_metre) {
@@ -250,9 +250,12 @@ void Pipeline::fuseFrame(const Frame& frame, const Pose& world_from_camera) {
   fuser_.recordFrame(recorder_, frame);
   recorder_.submit();
   fuser_.fuse(recorder_, volume_, world_from_camera);
-  seen_through_.keep(frame.depth, world_from_camera);
-  if (acceptKnown(world_from_camera, frame.timestamp))
-    overview_.add(fuser_, recorder_, frame.depth, world_from_camera);
+  accept(world_from_camera, frame.timestamp, frame.depth);
+}
+
+FrameFuser Pipeline::makeFuser() {
+  requireFixedPoses();
+  return {device_, settings_, intrinsics_, depth_units_per_metre_};
 }
 
 void Pipeline::requireFixedPoses() const {
@@ -261,15 +264,14 @@ void Pipeline::requireFixedPoses() const {
         "loops.enabled moves poses, and cannot be on where frames of known pose are fused; leave it off.");
 }
 
-bool Pipeline::acceptKnown(const Pose& world_from_camera, double timestamp) {
-  requireFixedPoses();
+void Pipeline::accept(const Pose& world_from_camera, double timestamp, const cv::Mat& depth) {
+  if (!depth.empty()) seen_through_.keep(depth, world_from_camera);
   started_ = true;
   unconfirmed_ = 0;
-  return tracker_.accept(world_from_camera, timestamp, true);
-}
-
-void Pipeline::accept(const Pose& world_from_camera, double timestamp) {
-  acceptKnown(world_from_camera, timestamp);
+  if (!tracker_.accept(world_from_camera, timestamp, true) || depth.empty()) return;
+  fuser_.recordFrame(recorder_, {depth, {}, timestamp});
+  recorder_.submit();
+  overview_.add(fuser_, recorder_, depth, world_from_camera);
 }
 
 }  // namespace rosefusion

@@ -55,15 +55,17 @@ class Pipeline {
   /// before stays whole.
   FrameResult processFrame(const Frame& frame);
   /// Fuses a frame whose pose is known; tracking goes on from there. Throws as processFrame(), and InputError
-  /// with loops.enabled, as accept() does.
+  /// with loops.enabled.
   void fuseFrame(const Frame& frame, const Pose& world_from_camera);
-  /// Tells that a frame of known pose was fused into volume() by a fuser of the caller's.
-  void accept(const Pose& world_from_camera, double timestamp);
+  /// Tells that a frame of known pose was fused into volume() by a fuser of the caller's. `depth`: as
+  /// Frame::depth; empty where it is on the device alone, and later images are then not compared with it.
+  void accept(const Pose& world_from_camera, double timestamp, const cv::Mat& depth);
   /// After the last frame, with loops.enabled: all loops are weighed once more. Throws as processFrame().
   void finish();
   /// With loops.enabled, null without.
   const LoopCloser* loops() const { return loops_.get(); }
-  FrameFuser makeFuser() { return {device_, settings_, intrinsics_, depth_units_per_metre_}; }
+  /// For frames of known pose, which accept() is told of. Throws InputError with loops.enabled.
+  FrameFuser makeFuser();
 
   /// For displays: told of every iteration of a search with particles, from within processFrame().
   void observe(SearchObserver observer) { tracker_.observe(std::move(observer)); }
@@ -85,7 +87,6 @@ class Pipeline {
   bool isIntruded(const FrameResult& result);
   void closeLoops(const Frame& frame, FrameResult& result);
   void requireFixedPoses() const;
-  bool acceptKnown(const Pose& world_from_camera, double timestamp);
 
   Device& device_;
   Settings settings_;

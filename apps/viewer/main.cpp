@@ -22,6 +22,7 @@ struct Options {
   std::string source, config = "default", device, screenshot, out = "out/viewer";
   std::vector<std::string> assignments;
   std::vector<double> intrinsics;
+  StreamOptions stream;
   int width = 1280, height = 800;
   std::size_t after_frames = 0;
   bool headless = false, realtime = false, play = false, validation = false;
@@ -96,6 +97,7 @@ class Viewer {
   static SourceOptions sourceOptions(const Options& o) {
     SourceOptions out;
     out.pace = o.realtime ? Pace::Recorded : Pace::AsTaken;
+    out.stream = o.stream;
     if (!o.intrinsics.empty())
       out.sequence.intrinsics =
           Intrinsics{0, 0, o.intrinsics[0], o.intrinsics[1], o.intrinsics[2], o.intrinsics[3]};
@@ -194,8 +196,13 @@ void runWindow(const Options& o) {
       if (requests.screenshot) {
         const auto file = std::filesystem::path(o.out) /
                           (shots == 0 ? "screenshot.png" : "screenshot-" + std::to_string(shots) + ".png");
-        viewer.canvas().save(file);
-        ++shots;
+        try {
+          viewer.canvas().save(file);
+          viewer.session().say("Saved " + file.string() + ".");
+          ++shots;
+        } catch (const InputError& error) {  // what was reconstructed outlives a full disk
+          viewer.session().say(error.what(), true);
+        }
       }
       if (screenshot_due && o.after_frames > 0 && viewer.frames() >= o.after_frames) {
         viewer.canvas().save(o.screenshot);
@@ -228,6 +235,13 @@ int run(int argc, char** argv) {
   app.add_option("--intrinsics", o.intrinsics, "fx,fy,cx,cy in pixels, instead of the source's own")
       ->delimiter(',')
       ->expected(4);
+  app.add_option("--secret-key", o.stream.secret_key,
+                 "Encrypt network streams: this side's file from 'rosefusion keys'");
+  app.add_option("--peer-key", o.stream.peer_keys,
+                 "The senders' public keys, one a line; only those may send");
+  app.add_option("--silence-limit", o.stream.silence_limit,
+                 "End a network stream that is silent for so many seconds; 0: wait for the sender")
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--out", o.out, "Where files are saved")->capture_default_str();
   app.add_flag("--play", o.play, "Begin to play at once");
   app.add_flag("--realtime", o.realtime,

@@ -8,8 +8,6 @@
 #include <cctype>
 #include <cmath>
 
-#include "host/file_io.h"
-
 namespace rosefusion::viewer {
 namespace {
 
@@ -109,8 +107,9 @@ void drawSpeeds(const Snapshot& s, const PanelState& state) {
   figure("Turning", "%.2f rad/s", s.turn_rate);
   heading("Milliseconds a frame");
   const StageMilliseconds t = s.last && !state.headless ? s.last->milliseconds : StageMilliseconds{};
-  const std::array<std::pair<const char*, double>, 3> stages{
-      {{"Prepare", t.preprocess}, {"Track", t.track}, {"Fuse", t.integrate}}};
+  std::vector<std::pair<const char*, double>> stages{
+      {"Prepare", t.preprocess}, {"Track", t.track}, {"Fuse", t.integrate}};
+  if (s.settings.loops.enabled) stages.emplace_back("Loops", t.loops);
   for (const auto& [name, milliseconds] : stages) {
     ImGui::TextUnformatted(name);
     ImGui::SameLine(90);
@@ -251,14 +250,7 @@ void drawSettings(const Rectangle& area, const Snapshot& s, Session& session, Pa
   ImGui::End();
 }
 
-void save(const char* what, Session& session, const PanelState& state, const Snapshot& s) {
-  if (what == std::string("mesh")) return session.saveMesh(state.out / "mesh.ply");
-  session.saveTrajectory(state.out / "trajectory.txt");
-  writeFileAtomically(state.out / "settings.yaml", toYaml(s.settings));
-}
-
-void drawControls(const Snapshot& s, Session& session, ViewCamera& view, PanelState& state,
-                  Requests& requests) {
+void drawControls(const Snapshot& s, Session& session, ViewCamera& view, PanelState& state) {
   const float wide = 96;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - wide - 8);
   const bool entered =
@@ -286,15 +278,14 @@ void drawControls(const Snapshot& s, Session& session, ViewCamera& view, PanelSt
     if (ImGui::RadioButton(toString(mode), view.mode() == mode)) view.setMode(mode);
   }
   ImGui::TextColored(s.problem ? kBad : kCalm, "%s", s.message.c_str());
-  (void)requests;
 }
 
-void drawButtons(const Snapshot& s, Session& session, PanelState& state, Requests& requests) {
+void drawButtons(Session& session, PanelState& state, Requests& requests) {
   heading("Save and change");
   const float half = (ImGui::GetContentRegionAvail().x - 8) / 2;
-  if (ImGui::Button("Mesh (M)", {half, 0})) save("mesh", session, state, s);
+  if (ImGui::Button("Mesh (M)", {half, 0})) session.saveMesh(state.out / "mesh.ply");
   ImGui::SameLine();
-  if (ImGui::Button("Trajectory (T)", {half, 0})) save("trajectory", session, state, s);
+  if (ImGui::Button("Trajectory (T)", {half, 0})) session.saveTrajectory(state.out / "trajectory.txt");
   if (ImGui::Button("Screenshot (P)", {half, 0})) requests.screenshot = true;
   ImGui::SameLine();
   if (ImGui::Button("Settings (G)", {half, 0})) state.settings_open = state.focus_filter = true;
@@ -308,8 +299,8 @@ void heedKeys(const Snapshot& s, Session& session, ViewCamera& view, PanelState&
   if (pressed(' ')) s.phase == Phase::Playing ? session.pause() : session.play();
   if (pressed('N')) session.step();
   if (pressed('R')) session.reset();
-  if (pressed('M')) save("mesh", session, state, s);
-  if (pressed('T')) save("trajectory", session, state, s);
+  if (pressed('M')) session.saveMesh(state.out / "mesh.ply");
+  if (pressed('T')) session.saveTrajectory(state.out / "trajectory.txt");
   if (pressed('P')) requests.screenshot = true;
   if (pressed('Q') && ImGui::GetIO().KeyCtrl) requests.quit = true;
   if (pressed('G')) {
@@ -357,11 +348,11 @@ Requests drawPanels(const Layout& layout, const Snapshot& s, Session& session, V
   drawSpeeds(s, state);
   drawSwarm(s, state);
   drawMemory(s);
-  drawButtons(s, session, state, requests);
+  drawButtons(session, state, requests);
   ImGui::End();
   place(layout.controls);
   ImGui::Begin("controls", nullptr, kFixed | ImGuiWindowFlags_NoScrollbar);
-  drawControls(s, session, view, state, requests);
+  drawControls(s, session, view, state);
   ImGui::End();
   if (state.settings_open) drawSettings(layout.figures, s, session, state);
   return requests;

@@ -6,13 +6,16 @@
 #include "engine/error.h"
 #include "host/error.h"
 #include "host/export/mesh_io.h"
+#include "host/file_io.h"
 #include "host/run/mesh_extraction.h"
 
 namespace rosefusion::viewer {
 namespace {
 
-constexpr double kNearest = 0.4, kFarthest = 6;  // metres: the ends of the depth image's colours
-constexpr std::size_t kShownParticles = 300;     // of each iteration
+constexpr double kNearest = 0.4, kFarthest = 6;      // metres: the ends of the depth image's colours
+constexpr std::size_t kShownParticles = 300;         // of each iteration
+constexpr auto kReadable = std::chrono::seconds(3);  // what was said stays while frames come
+constexpr auto kGivesWay = std::chrono::seconds(1), kSilence = std::chrono::seconds(2);
 
 /// Near is red, far is blue; no depth is black.
 cv::Mat colouredDepth(const cv::Mat& depth, double units_per_metre) {
@@ -37,6 +40,13 @@ SwarmIteration iterationOf(const SearchIteration& seen) {
   for (std::size_t i = 0; i < losses.size(); i += every)
     if (losses[i] >= 0) out.shown.push_back({pose(i).translation() - state.centre.translation(), losses[i]});
   return out;
+}
+
+std::string told(const LoopClosure& loop) {
+  char text[80];
+  std::snprintf(text, sizeof text, "A loop was closed; the path is corrected, here by %.1f cm.",
+                100 * loop.shift);
+  return text;
 }
 
 }  // namespace
@@ -72,6 +82,7 @@ void Session::update(Change change) {
 
 void Session::say(const std::string& message, bool problem) {
   update([&](Snapshot& s) {
+    said_ = Clock::now();
     s.message = message;
     s.problem = problem;
   });
@@ -215,24 +226,61 @@ void Session::step() {
 
 void Session::nextFrame() {
   SourceFrame frame;
-  const auto start = std::chrono::steady_clock::now();
-  const auto stop = [this, start] {
+  const auto start = Clock::now();
+  bool said_waiting = false;
+  const auto stop = [&] {
+    const auto waited = Clock::now() - start;
+    if (waited > kSilence && !std::exchange(said_waiting, true))
+      say("No frame has come for a while; waiting for the camera or the sender.", true);
     // Steps in a row are all carried out; only one that waits for a camera gives way.
-    const bool waited = std::chrono::steady_clock::now() - start > std::chrono::seconds(1);
     const std::lock_guard lock(mutex_);
-    return stopping_ || ((playing_ || waited) && !commands_.empty());
+    return stopping_ || ((playing_ || waited > kGivesWay) && !commands_.empty());
   };
-  const SourceState state = source_->next(frame, stop);
+  SourceState state = SourceState::End;
+  try {
+    state = source_->next(frame, stop);
+  } catch (const InputError& error) {  // a camera that was pulled out gives no more frames
+    return finish(Phase::Finished, error.what(), true);
+  }
   if (state == SourceState::Stopped) return;
-  if (state == SourceState::End) return finish(Phase::Finished, "The sequence has ended.", false);
+  if (state == SourceState::End) return end();
   if (!frame.problem.empty()) say(frame.problem, true);
   if (!frame.usable) return;
   swarm_.clear();
   publish(frame, pipeline_->processFrame(frame.frame));
 }
 
+/// Weighs the loops once more, as Pipeline::finish() does.
+void Session::end() {
+  pipeline_->finish();
+  if (correctPath())
+    update([&](Snapshot& s) {
+      if (s.last && last_pose_) s.last->world_from_camera = last_pose_->world_from_camera;
+      s.path = std::make_shared<std::vector<PathPoint>>(path_);
+      ++s.model_number;
+      s.model = pipeline_->volume().view();
+    });
+  finish(Phase::Finished, "The sequence has ended.", false);
+}
+
+/// Takes over what closed loops made of the poses so far. False where there are none.
+bool Session::correctPath() {
+  if (!pipeline_->loops() || trajectory_.empty()) return false;
+  const std::vector<Pose> poses = pipeline_->loops()->framePoses();
+  for (std::size_t i = 0; i < path_.size(); ++i) {
+    trajectory_[i].world_from_camera = poses[i];
+    path_[i].position = poses[i].translation();
+  }
+  if (last_pose_) last_pose_ = trajectory_.back();
+  return true;
+}
+
 void Session::publish(const SourceFrame& frame, const FrameResult& result) {
   const bool found = result.status != TrackingStatus::Lost;
+  if (result.loop) {
+    correctPath();
+    say(told(*result.loop));
+  }
   double speed = 0, turn_rate = 0;
   if (found) {
     const StampedPose now{result.timestamp, result.world_from_camera};
@@ -265,7 +313,7 @@ void Session::publish(const SourceFrame& frame, const FrameResult& result) {
     s.model = pipeline_->volume().view();
     s.model_bytes = pipeline_->volume().memoryBytes();
     s.device_bytes = device_.allocatedBytes();
-    if (frame.problem.empty()) {
+    if (Clock::now() - said_ > kReadable) {
       s.message = "Frame " + std::to_string(frame.index) + ".";
       s.problem = false;
     }
@@ -282,9 +330,8 @@ void Session::set(const std::string& key, const std::string& value) {
     update([&](Snapshot& s) {
       s.settings = settings_;
       s.settings_wait |= pipeline_ && !isLiveSetting(key);
-      s.message = key + " = " + value + (isLiveSetting(key) ? "." : ": from the next reset on.");
-      s.problem = false;
     });
+    say(key + " = " + value + (isLiveSetting(key) ? "." : ": from the next reset on."));
   });
 }
 
@@ -306,6 +353,7 @@ void Session::saveTrajectory(const std::filesystem::path& file) {
   command([this, file] {
     if (trajectory_.empty()) return say("There is no trajectory to save yet.", true);
     writeTumTrajectory(file, trajectory_);
+    writeFileAtomically(file.parent_path() / "settings.yaml", toYaml(pipeline_->settings()));
     say("Saved " + file.string() + ".");
   });
 }

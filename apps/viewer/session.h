@@ -1,5 +1,6 @@
 // Tracking on a thread of its own, so that the window never waits for it: commands in, snapshots out.
 #pragma once
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -70,21 +71,26 @@ class Session {
   void reset();  ///< the same source from its beginning, with the settings as they are now
   void set(const std::string& key, const std::string& value);
   void saveMesh(const std::filesystem::path& file);
+  /// And the settings that it was tracked with, as settings.yaml beside it.
   void saveTrajectory(const std::filesystem::path& file);
+  /// Shows a sentence of the caller's.
+  void say(const std::string& message, bool problem = false);
   /// Waits until all commands were carried out and nothing is playing.
   void waitUntilIdle();
 
   Snapshot snapshot() const;
 
  private:
+  using Clock = std::chrono::steady_clock;
   using Command = std::function<void()>;
   void command(Command command);
   void work();
   void carryOut(const Command& command);
   void begin();
   void nextFrame();
+  void end();
+  bool correctPath();
   void publish(const SourceFrame& frame, const FrameResult& result);
-  void say(const std::string& message, bool problem = false);
   template <typename Change>
   void update(Change change);
   void finish(Phase phase, const std::string& message, bool problem);
@@ -106,6 +112,7 @@ class Session {
   std::deque<Command> commands_;
   bool busy_ = false, stopping_ = false, playing_ = false;
   Snapshot shown_;
+  Clock::time_point said_{};
   std::thread thread_;
 };
 

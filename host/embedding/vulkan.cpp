@@ -80,18 +80,21 @@ struct Fusion::Impl {
   Reconstructor::Impl& owner;
   Recorder recorder;
   FrameFuser fuser;
-  double timestamp = 0;
-  Matrix world_from_camera = kIdentity;
+  struct Searched {
+    TimedPose pose;
+    cv::Mat depth;  ///< empty where it is on the device alone
+  };
+  std::optional<Searched> searched;  ///< and not fused yet
 
   template <typename Depth>
-  void recordSearch(VkCommandBuffer commands, const Depth& depth, double stamp, const Matrix& matrix) {
+  void recordSearch(VkCommandBuffer commands, const Depth& depth, const Searched& frame) {
     owner.requireNothingPushed();
-    const Pose pose = toPose(matrix);
-    timestamp = stamp;
-    world_from_camera = matrix;
+    const Pose pose = toPose(frame.pose.world_from_camera);
+    searched.reset();
     recorder.recordInto(commands);
     fuser.recordFrame(recorder, depth);
     fuser.recordSearch(recorder, owner.pipeline.volume(), pose);
+    searched = frame;
   }
 };
 
@@ -107,7 +110,8 @@ Fusion& Fusion::operator=(Fusion&&) noexcept = default;
 void Fusion::recordSearch(VkCommandBuffer commands, const DepthFrame& frame,
                           const Matrix& world_from_camera) {
   guarded([&] {
-    impl_->recordSearch(commands, copyOf(frame, impl_->owner.intrinsics), frame.timestamp, world_from_camera);
+    const Frame copy = copyOf(frame, impl_->owner.intrinsics);
+    impl_->recordSearch(commands, copy, {{frame.timestamp, world_from_camera}, copy.depth});
   });
 }
 
@@ -116,7 +120,7 @@ void Fusion::recordSearch(VkCommandBuffer commands, const DeviceDepth& depth,
   guarded([&] {
     const DevicePixels pixels{depth.buffer, depth.offset, depth.image,
                               depth.layout == VK_IMAGE_LAYOUT_GENERAL};
-    impl_->recordSearch(commands, pixels, depth.timestamp, world_from_camera);
+    impl_->recordSearch(commands, pixels, {{depth.timestamp, world_from_camera}, {}});
   });
 }
 
@@ -130,12 +134,18 @@ bool Fusion::grow() {
 void Fusion::recordFusion(VkCommandBuffer commands) {
   guarded([&] {
     Impl& d = *impl_;
+    if (!d.searched)
+      throw Error(
+          Error::Kind::Misuse,
+          "recordFusion() fuses the frame of the last recordSearch(), and there is none; call that first.");
     const std::lock_guard lock(d.owner.work);
+    const auto& [stamped, depth] = *d.searched;
+    const Pose pose = toPose(stamped.world_from_camera);
     d.recorder.recordInto(commands);
-    const Pose pose = toPose(d.world_from_camera);
     d.fuser.recordFusion(d.recorder, d.owner.pipeline.volume(), pose);
-    d.owner.pipeline.accept(pose, d.timestamp);
-    d.owner.publish(d.timestamp, &d.world_from_camera);
+    d.owner.pipeline.accept(pose, stamped.timestamp, depth);
+    d.owner.publish(stamped.timestamp, &stamped.world_from_camera);
+    d.searched.reset();
   });
 }
 

@@ -194,7 +194,13 @@ struct StreamReceiver::Impl {
       peer_session = message->header.session;
     else if (bytes.size() >= 16)
       std::memcpy(&peer_session, bytes.data() + 8, sizeof peer_session);
-    if (message && !adopt(*message)) problem = "another stream is being received";
+    if (message && !adopt(*message)) {
+      if (!known) return;  // a sender that did not notice that this receiver is a new one; it will ask again
+      problem = isSilent()
+                    ? "another stream has begun and says nothing any more; end the receiver, or start it "
+                      "with --silence-limit"
+                    : "another stream is being received";
+    }
     if (problem.empty() && !belongs(*message))
       problem = "its camera is not that of the stream's first message";
     if (problem.empty()) {
@@ -291,6 +297,11 @@ struct StreamReceiver::Impl {
     address.copy(const_cast<zmq::message_t&>(to));
     if (socket.send(address, zmq::send_flags::sndmore | zmq::send_flags::dontwait))
       socket.send(zmq::buffer(bytes), zmq::send_flags::dontwait);
+  }
+
+  bool isSilent() const {
+    const std::lock_guard lock(mutex);
+    return Clock::now() - last_heard > kSaySilentAfter;
   }
 
   bool silentForTooLong() {

@@ -17,8 +17,9 @@ struct Semaphores;
 ///
 /// Threads: every member may be called from any thread. process(), integrate() and mesh() do their work on
 /// the calling thread, one at a time: each waits for the others and for a pushed frame under way. push(),
-/// poll(), trajectory() and blockCount() never wait for a frame. The constructor generates the swarm's
-/// templates when this user has none of these sizes yet (some 10 s, kept in $XDG_CACHE_HOME or ~/.cache).
+/// poll(), trajectory() and blockCount() never wait for a frame. The constructor builds pipelines, submits
+/// what makes the model's first memory and waits for that; and it generates the swarm's templates when this
+/// user has none of these sizes yet (some 10 s, kept in $XDG_CACHE_HOME or ~/.cache).
 class ROSEFUSION_API Reconstructor {
  public:
   /// On a Vulkan device of its own. Throws Error: BadInput for a camera or settings that cannot be, NoDevice,
@@ -36,7 +37,9 @@ class ROSEFUSION_API Reconstructor {
   /// an error, and is not fused. `semaphores`: see rosefusion/vulkan.h; null: none. Throws Error: BadInput
   /// for an image of another size, OutOfMemory, DeviceLost, Misuse while pushed frames are waiting.
   Result process(const DepthFrame& frame, const Semaphores* semaphores = nullptr);
-  /// Fuses one frame at a pose that the caller knows; tracking goes on from there. Throws as process().
+  /// Fuses one frame at a pose that the caller knows, and returns when that is done on the device; tracking
+  /// goes on from there. Throws as process(), and BadInput for a pose that is no rigid transform and with
+  /// loops.enabled, which moves poses.
   void integrate(const DepthFrame& frame, const Matrix& world_from_camera);
 
   /// Hands a frame to a thread of the Reconstructor's own, which processes the frames in their order; the

@@ -2,7 +2,8 @@
 //
 // One queue. All that the library submits, and all command buffers that it recorded into, go to the queue of
 // VulkanHandles; on it every command of the library is ordered after those submitted before by barriers that
-// it records itself. To use its results on another queue, signal a semaphore from a submit of your own.
+// it records itself. To use its results on another queue, signal a semaphore from a submit of your own. What
+// waits for the device says so; nothing else does. The Reconstructor's members that do work wait for its end.
 #pragma once
 #include <vulkan/vulkan_core.h>
 
@@ -47,7 +48,7 @@ ROSEFUSION_API std::vector<std::string> missingFor(const VulkanHandles& handles)
 /// Waited for before the first command of a frame, and signalled after its last, on the queue. `value` is
 /// that of a timeline semaphore; 0 means a binary one. process() returns only after its commands have run,
 /// so whatever signals `wait` must be under way by then. `signal` is signalled where the frame fails too, but
-/// not for frames that the destructor drops.
+/// not for frames that were refused (BadInput, Misuse) or that the destructor drops.
 struct Semaphores {
   struct Point {
     VkSemaphore semaphore = VK_NULL_HANDLE;
@@ -100,7 +101,7 @@ class ROSEFUSION_API View {
   /// nothing. Pipelines are built here, at most three times in all, when the model has outgrown another
   /// quarter of what it may become. What was recorded into the same slot before must have completed, or never
   /// be submitted. The model's memory that the commands read is kept until the slot is recorded anew. Throws
-  /// Error: Misuse for a slot that is none, OutOfMemory.
+  /// Error: Misuse for a slot that is none, BadInput for a pose that is no rigid transform, OutOfMemory.
   void record(VkCommandBuffer commands, std::uint32_t slot, const Look& look, const ViewImages& images);
 
  private:
@@ -110,7 +111,8 @@ class ROSEFUSION_API View {
 
 /// A depth image on the device, with the values of DepthFrame::depth, without colour. It is read by the
 /// commands of Fusion::recordSearch(), with VK_ACCESS_TRANSFER_READ_BIT in VK_PIPELINE_STAGE_TRANSFER_BIT:
-/// the barrier before is the caller's, and it may be overwritten after them.
+/// the barrier before is the caller's, and it may be overwritten after them. The host does not see it: where
+/// tracking goes on, what comes before the camera is not noticed against this image.
 struct DeviceDepth {
   VkBuffer buffer = VK_NULL_HANDLE;  ///< VK_BUFFER_USAGE_TRANSFER_SRC_BIT; row by row without gaps
   VkDeviceSize offset = 0;           ///< of the first pixel, bytes
@@ -121,8 +123,8 @@ struct DeviceDepth {
   double timestamp = 0;                                         ///< seconds, growing
 };
 
-/// Fuses frames of known pose in the caller's command buffers, in two steps, because the model's memory grows
-/// from the host in between:
+/// Fuses frames of known pose in the caller's command buffers, in two steps: what the first finds decides on
+/// the host how the model's memory grows, and the caller waits in between where it likes:
 ///
 ///     do {
 ///       fusion.recordSearch(commands, frame, pose);    // submit, and wait for it as you like
@@ -132,24 +134,30 @@ struct DeviceDepth {
 /// One thread at a time, and no frame of the Reconstructor may be processed from the first recordSearch()
 /// until the last commands have completed. Of the members grow() alone waits for the device; grow() and
 /// recordFusion() also wait for a mesh() on another thread. Tracking then goes on from the pose. Must not
-/// outlive the Reconstructor.
+/// outlive the Reconstructor, and no commands may be in flight when it is destroyed.
 class ROSEFUSION_API Fusion {
  public:
+  /// Builds pipelines, which takes the driver a moment. Throws Error: BadInput with loops.enabled, which
+  /// moves poses; OutOfMemory.
   explicit Fusion(Reconstructor& reconstructor);
   ~Fusion();
   Fusion(Fusion&&) noexcept;
   Fusion& operator=(Fusion&&) noexcept;
 
-  /// Records what finds out where the model needs memory for `frame`, whose images are copied. The last
-  /// commands of this object must have completed. Throws Error (BadInput) for an image of another size.
+  /// Records what finds out where the model needs memory for `frame`, whose images are copied; its motion is
+  /// not read. `commands`: as of View::record(). The last commands of this object must have completed. Throws
+  /// Error: BadInput for an image of another size or a pose that is no rigid transform, Misuse while pushed
+  /// frames are waiting, OutOfMemory.
   void recordSearch(VkCommandBuffer commands, const DepthFrame& frame, const Matrix& world_from_camera);
-  /// The same of a depth image on the device. Throws Error (Misuse) where there is none.
+  /// The same of a depth image on the device. Throws Error (Misuse) also where there is none.
   void recordSearch(VkCommandBuffer commands, const DeviceDepth& depth, const Matrix& world_from_camera);
-  /// After these commands have completed: gives the model that memory. Submits copies to the queue and waits
-  /// for them. True when the search must be recorded and run once more. Throws Error (OutOfMemory); the model
-  /// is then as before.
+  /// After these commands have completed: gives the model that memory. Where it needs some, submits copies to
+  /// the queue and waits for them; else returns at once. True when the search must be recorded and run once
+  /// more. Throws Error (OutOfMemory); the model is then as before.
   bool grow();
-  /// Records the fusion of the frame searched for last; the model is whole once the commands have run.
+  /// Records the fusion of the frame searched for last; the model is whole once the commands have run, which
+  /// they must. Pipelines are built here as in View::record(). Throws Error: Misuse where no frame was
+  /// searched for since the last fusion, OutOfMemory.
   void recordFusion(VkCommandBuffer commands);
 
  private:
@@ -174,7 +182,8 @@ struct VolumeBuffers {
   std::shared_ptr<const void> hold;  ///< let go before the Reconstructor ends
 };
 
-/// Those of the model after the last frame that is finished. Any thread; never waits for a frame.
+/// Those of the model after the last frame that is finished. Any thread; never waits for a frame, and does
+/// not fail.
 ROSEFUSION_API VolumeBuffers volumeBuffers(const Reconstructor& reconstructor);
 
 }  // namespace rosefusion

@@ -4,7 +4,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <optional>
+#include <set>
 #include <thread>
+#include <utility>
 
 #include "engine/buffer.h"
 #include "rosefusion/vulkan.h"
@@ -127,7 +130,11 @@ TEST_F(EmbeddedVulkan, FusionInTheCallersCommandsIsThatOfIntegrate) {
     } while (fusion.grow());
     caller.frame([&](VkCommandBuffer commands) { fusion.recordFusion(commands); });
   };
+  caller.frame([&](VkCommandBuffer commands) { EXPECT_THROW(fusion.recordFusion(commands), Error); });
   fuse(0, publicFrame(0));
+  caller.frame([&](VkCommandBuffer commands) {
+    EXPECT_THROW(fusion.recordFusion(commands), Error) << "a frame is fused once";
+  });
 
   Device device(caller.handles());  // for buffers only
   constexpr std::size_t kBefore = 8;
@@ -165,6 +172,24 @@ TEST_F(EmbeddedVulkan, FusionInTheCallersCommandsIsThatOfIntegrate) {
   EXPECT_EQ(callers.trajectory().back().world_from_camera, ours.trajectory().back().world_from_camera);
   EXPECT_EQ(callers.process(publicFrame(6)).world_from_camera,
             ours.process(publicFrame(6)).world_from_camera);
+}
+
+TEST_F(EmbeddedVulkan, FusionIsRefusedWhereLoopsMovePoses) {
+  Options options = quickOptions();
+  options.settings.push_back({"loops.enabled", "true"});
+  std::optional<Reconstructor> reconstructor;
+  try {
+    reconstructor.emplace(publicCamera(), handles(), options);
+  } catch (const Error& error) {
+    GTEST_SKIP() << error.what();
+  }
+  try {
+    Fusion fusion(*reconstructor);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), Error::Kind::BadInput);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("loops.enabled"));
+  }
 }
 
 TEST_F(EmbeddedVulkan, TheCallersShaderReadsTheModel) {
@@ -261,6 +286,107 @@ TEST(EmbeddedTimeline, AFrameWaitsForAValueAndSetsTheNext) {
   }
   caller.command<PFN_vkDestroySemaphore>("vkDestroySemaphore")(caller.device, semaphore, nullptr);
   EXPECT_THAT(caller.messages(), ::testing::IsEmpty());
+}
+
+TEST_F(EmbeddedVulkan, TwoShareTheCallersQueueUnderItsLock) {
+  VulkanHandles shared = handles();
+  int submits = 0;
+  shared.lock_queue = [&] {
+    caller.queue_mutex.lock();
+    ++submits;
+  };
+  shared.unlock_queue = [&] { caller.queue_mutex.unlock(); };
+  Reconstructor first(publicCamera(), shared, quickOptions()), second(publicCamera(), shared, quickOptions());
+  for (std::size_t i = 0; i < 3; ++i) {
+    ASSERT_TRUE(first.push(publicFrame(i)));
+    ASSERT_TRUE(second.push(publicFrame(i)));
+  }
+  for (int i = 0; i < 20; ++i) caller.frame([](VkCommandBuffer) {});
+  first.wait();
+  second.wait();
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(first.poll()->world_from_camera, second.poll()->world_from_camera);
+  EXPECT_GT(submits, 0);
+}
+
+// Notes which pipeline caches pipelines are made with.
+struct Watched {
+  static inline PFN_vkGetInstanceProcAddr get;
+  static inline PFN_vkGetDeviceProcAddr get_device;
+  static inline PFN_vkCreateComputePipelines create;
+  static inline std::set<VkPipelineCache> caches;
+
+  static VkResult VKAPI_CALL createPipelines(VkDevice device, VkPipelineCache cache, std::uint32_t count,
+                                             const VkComputePipelineCreateInfo* infos,
+                                             const VkAllocationCallbacks* allocator, VkPipeline* out) {
+    caches.insert(cache);
+    return create(device, cache, count, infos, allocator, out);
+  }
+  static PFN_vkVoidFunction VKAPI_CALL deviceProc(VkDevice device, const char* name) {
+    if (std::strcmp(name, "vkGetDeviceProcAddr") == 0)
+      return reinterpret_cast<PFN_vkVoidFunction>(&deviceProc);
+    const PFN_vkVoidFunction real = get_device(device, name);
+    if (std::strcmp(name, "vkCreateComputePipelines") != 0) return real;
+    create = reinterpret_cast<PFN_vkCreateComputePipelines>(real);
+    return reinterpret_cast<PFN_vkVoidFunction>(&createPipelines);
+  }
+  static PFN_vkVoidFunction VKAPI_CALL proc(VkInstance instance, const char* name) {
+    const PFN_vkVoidFunction real = get(instance, name);
+    if (std::strcmp(name, "vkGetDeviceProcAddr") != 0) return real;
+    get_device = reinterpret_cast<PFN_vkGetDeviceProcAddr>(real);
+    return reinterpret_cast<PFN_vkVoidFunction>(&deviceProc);
+  }
+};
+
+TEST_F(EmbeddedVulkan, CallbacksAndPipelineCacheAreTheCallers) {
+  VulkanHandles h = handles();
+  h.allocator = &caller.callbacks();
+  const VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+  caller.command<PFN_vkCreatePipelineCache>("vkCreatePipelineCache")(caller.device, &info, nullptr,
+                                                                     &h.pipeline_cache);
+  Watched::get = std::exchange(h.get_instance_proc_addr, Watched::proc);
+  {
+    Reconstructor reconstructor(publicCamera(), h, quickOptions());
+    View view(reconstructor, viewCamera(), 1);
+    reconstructor.process(publicFrame(0));
+    reconstructor.mesh();
+    EXPECT_GT(caller.liveAllocations(), 0);
+  }
+  EXPECT_EQ(caller.liveAllocations(), 0);
+  EXPECT_THAT(Watched::caches, ::testing::ElementsAre(h.pipeline_cache));
+  EXPECT_TRUE(caller.works());
+  caller.command<PFN_vkDestroyPipelineCache>("vkDestroyPipelineCache")(caller.device, h.pipeline_cache,
+                                                                       nullptr);
+}
+
+// A device with fewer storage buffers for a shader than the volume needs.
+struct Poor {
+  static inline PFN_vkGetInstanceProcAddr get;
+  static inline PFN_vkGetPhysicalDeviceProperties properties;
+  static void VKAPI_CALL poorProperties(VkPhysicalDevice physical, VkPhysicalDeviceProperties* out) {
+    properties(physical, out);
+    out->limits.maxPerStageDescriptorStorageBuffers = 16;
+  }
+  static PFN_vkVoidFunction VKAPI_CALL proc(VkInstance instance, const char* name) {
+    const PFN_vkVoidFunction real = get(instance, name);
+    if (std::strcmp(name, "vkGetPhysicalDeviceProperties") != 0) return real;
+    properties = reinterpret_cast<PFN_vkGetPhysicalDeviceProperties>(real);
+    return reinterpret_cast<PFN_vkVoidFunction>(&poorProperties);
+  }
+};
+
+TEST_F(EmbeddedVulkan, WhatTheDeviceLacksIsNamedBeforeAnyWork) {
+  VulkanHandles h = handles();
+  Poor::get = std::exchange(h.get_instance_proc_addr, Poor::proc);
+  h.allocator = &caller.callbacks();
+  try {
+    Reconstructor(publicCamera(), h, quickOptions());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), Error::Kind::MissingLimit);
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("maxPerStageDescriptorStorageBuffers is 16"));
+  }
+  EXPECT_EQ(caller.allocations(), 0);
 }
 
 TEST_F(EmbeddedVulkan, RequirementsAreToldBeforeThereIsADevice) {

@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 
 #include "host/frame.h"
+#include "host/settings.h"
 #include "host/synth/motion.h"
 #include "host/synth/noise.h"
 #include "host/synth/renderer.h"
@@ -56,6 +57,33 @@ inline Frame ringFrame(const Tracer& tracer, int i, double scale) {
   const cv::Mat depth = addHandaNoise(renderDepth(tracer, kRingCamera, ringPose(ringWay(i))), rng);
   depth.convertTo(frame.depth, CV_16UC1, scale * kRingUnits);
   return frame;
+}
+
+inline constexpr int kRingFrames = 127;  // a lap and a seventh
+
+/// The walk, with a part where all depths read too far: the camera believes to have come further than it has.
+inline const std::vector<Frame>& ringFrames() {
+  static const std::vector<Frame> frames = [] {
+    constexpr double kScale = 1.05;
+    constexpr int kFirstScaled = 30, kScaledEnd = 80;
+    const Scene scene = ringHall();
+    const Tracer tracer(scene);
+    std::vector<Frame> out;
+    for (int i = 0; i < kRingFrames; ++i)
+      out.push_back(ringFrame(tracer, i, i >= kFirstScaled && i < kScaledEnd ? kScale : 1));
+    return out;
+  }();
+  return frames;
+}
+
+inline Settings ringSettings(bool loops) {
+  Settings settings = loadSettings("default");
+  applyAssignment(settings, "swarm.levels=1024/16 512/8 256/4");  // a frame takes milliseconds
+  applyAssignment(settings, "tracking.templates_per_level=3");
+  settings.volume.voxel_size = 0.03;
+  settings.volume.truncation = 0.09;
+  settings.loops.enabled = loops;
+  return settings;
 }
 
 }  // namespace rosefusion::testing

@@ -13,32 +13,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr int kFrames = 127;  // a lap and a seventh
-constexpr double kScale = 1.05;
-constexpr int kFirstScaled = 30, kScaledEnd = 80;
-
-Settings walkSettings(bool loops) {
-  Settings settings = loadSettings("default");
-  applyAssignment(settings, "swarm.levels=1024/16 512/8 256/4");  // a frame takes milliseconds
-  applyAssignment(settings, "tracking.templates_per_level=3");
-  settings.volume.voxel_size = 0.03;
-  settings.volume.truncation = 0.09;
-  settings.loops.enabled = loops;
-  return settings;
-}
-
-const std::vector<Frame>& walkFrames() {
-  static const std::vector<Frame> frames = [] {
-    const Scene scene = ringHall();
-    const Tracer tracer(scene);
-    std::vector<Frame> out;
-    for (int i = 0; i < kFrames; ++i)
-      out.push_back(ringFrame(tracer, i, i >= kFirstScaled && i < kScaledEnd ? kScale : 1));
-    return out;
-  }();
-  return frames;
-}
-
 class LoopClosing : public ValidatingDevice {
  protected:
   struct Walk {
@@ -48,9 +22,9 @@ class LoopClosing : public ValidatingDevice {
     std::uint32_t blocks = 0;
   };
   static Walk walk(bool loops) {
-    MemorySequence sequence(walkFrames(), kRingCamera, kRingUnits);
+    MemorySequence sequence(ringFrames(), kRingCamera, kRingUnits);
     SequenceSource source(sequence, {});
-    Pipeline pipeline(device(), walkSettings(loops), kRingCamera, kRingUnits);
+    Pipeline pipeline(device(), ringSettings(loops), kRingCamera, kRingUnits);
     Walk out;
     out.summary = reconstruct(source, pipeline, 0, [&](const RunProgress& p) {
       EXPECT_NE(p.last->result.status, TrackingStatus::Lost) << p.done << ": " << p.last->result.reason;
@@ -99,12 +73,12 @@ void expectTold(const RunSummary& summary, const nlohmann::ordered_json& report)
 TEST_F(LoopClosing, TakesOutTheDriftThatStaysWithoutIt) {
   const Walk open = walk(false), closed = walk(true);
   std::size_t first = 0;
-  while (first < kFrames && !closed.summary.frames[first].result.loop) {
+  while (first < kRingFrames && !closed.summary.frames[first].result.loop) {
     ASSERT_EQ(closed.live[first].matrix(), open.live[first].matrix())
         << "a loop not yet closed changes nothing";
     ++first;
   }
-  ASSERT_LT(first, kFrames - 2u) << "no loop was closed, or too late for what follows";
+  ASSERT_LT(first, kRingFrames - 2u) << "no loop was closed, or too late for what follows";
   EXPECT_GT(first, 90u) << "the camera comes back only then";
   EXPECT_GT(closed.summary.frames[first].result.loop->shift, 0.1);
 
@@ -118,9 +92,9 @@ TEST_F(LoopClosing, TakesOutTheDriftThatStaysWithoutIt) {
 }
 
 TEST_F(LoopClosing, FramesOfKnownPoseAreRefused) {
-  Pipeline pipeline(device(), walkSettings(true), kRingCamera, kRingUnits);
+  Pipeline pipeline(device(), ringSettings(true), kRingCamera, kRingUnits);
   try {
-    pipeline.fuseFrame(walkFrames()[0], Pose::Identity());
+    pipeline.fuseFrame(ringFrames()[0], Pose::Identity());
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("loops.enabled"));
