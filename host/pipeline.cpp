@@ -269,7 +269,7 @@ void Pipeline::accept(const Pose& world_from_camera, double timestamp, const cv:
   started_ = true;
   unconfirmed_ = 0;
   if (!tracker_.accept(world_from_camera, timestamp, true) || depth.empty()) return;
-  fuser_.recordFrame(recorder_, {depth, {}, timestamp});
+  fuser_.recordFrame(recorder_, Frame{timestamp, depth, {}, {}});
   recorder_.submit();
   overview_.add(fuser_, recorder_, depth, world_from_camera);
 }

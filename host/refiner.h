@@ -1,11 +1,13 @@
 // Moves poses onto the model's surface: damped Gauss-Newton on the trilinear TSDF (after Bylow et al. 2013),
-// several starts at once; the sums come from the device, the 6 x 6 systems are solved here.
+// several starts at once; the sums come from the device, the 6 x 6 systems are solved here. Where depth
+// leaves a direction open, the luminance of image and model is compared as well.
 #pragma once
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "engine/passes/refine.h"
+#include "engine/passes/refine_colour.h"
 #include "host/camera.h"
 #include "host/settings.h"
 
@@ -20,10 +22,12 @@ Pose moved(const Pose& pose, const Eigen::Matrix<double, 6, 1>& step);
 /// How the depth fits the model at a pose. Shares are of the frame's valid pixels on the grid looked at.
 struct PoseFit {
   Pose world_from_camera = Pose::Identity();
-  double cost = 1;        ///< robust, in [0, 1]: 1 where no point finds a surface
-  double usable = 0;      ///< share that reads a distance
-  double close = 0;       ///< share nearer to the surface than refine.huber
-  double constraint = 0;  ///< how firmly the depth holds the least constrained direction; a plane's own is 1
+  double cost = 1;         ///< robust, in [0, 1]: 1 where no point finds a surface
+  double usable = 0;       ///< share that reads a distance
+  double close = 0;        ///< share nearer to the surface than refine.huber
+  double constraint = 0;   ///< how firmly depth and, where it was asked, colour hold the least constrained
+                           ///< direction; a plane's own is 1
+  double colour_cost = 0;  ///< the same of the luminance, in units of `cost`; 0 where colour was not asked
 
   /// Whether a pose may be believed by this alone: at least `share` of the pixels reads a distance, three
   /// quarters of those are close, and every direction is held by `least_constraint`.
@@ -36,28 +40,45 @@ class Refiner {
  public:
   Refiner(Device& device, const Settings& settings, const Intrinsics& intrinsics);
 
-  /// Which pixels the next calls look at: every stride-th of the frame. `last`: the last frame's pose; what
-  /// its image did not hold may be missing in the model. Without it, whatever is missing counts against a
-  /// pose.
+  /// Which pixels the next calls look at: every stride-th of the frame, which must outlive them. `last`: the
+  /// last frame's pose; what its image did not hold may be missing in the model. Without it, whatever is
+  /// missing counts against a pose, and colour is not asked.
   void look(const PreprocessPass& frame, int stride, const std::optional<Pose>& last = {});
   /// Descends from each start; the results keep the starts' order. `expected`: the pose that the motion model
-  /// speaks for; it decides in directions that the depth does not constrain (refine.least_constraint).
+  /// speaks for; it decides in directions that neither depth nor, with refine.colour_weight, colour
+  /// constrains (refine.least_constraint). Once depth leaves all starts of a call open, colour is
+  /// asked until the next look().
   std::vector<PoseFit> refine(const Volume& volume, std::span<const Pose> starts, int iterations,
                               const Pose& expected);
   /// Points read since the last call of this, over all poses.
   std::uint64_t takePointsRead();
 
  private:
-  std::vector<RefineSums> evaluate(const Volume& volume, std::span<const Pose> poses);
+  struct Place {
+    Pose pose;
+    double gain = 1;  ///< brightness of the frame, in units of the model's
+  };
+  struct Evaluation {
+    RefineSums depth{};
+    std::optional<RefineColourSums> colour;
+  };
+  struct LocalModel;
+  struct Descent;
+  std::vector<Evaluation> evaluate(const Volume& volume, std::span<const Place> places);
+  PoseFit fitOf(const Descent& descent) const;
 
   const RefineSettings settings_;
   const RefineWeights weights_;
-  const glm::ivec2 image_size_;
+  const double colour_weight_;  ///< of a squared luminance, in squared metres
+  const shader::CameraIntrinsics camera_;
   const Eigen::Matrix4d image_from_camera_;
   std::optional<Pose> last_;
   Recorder recorder_;
   SelectPointsPass select_;
   RefinePass refine_;
+  RefineColourPass refine_colour_;
+  const PreprocessPass* coloured_ = nullptr;  ///< the frame looked at, where its colour may be asked
+  bool asks_colour_ = false;
   std::uint64_t points_read_ = 0;
 };
 

@@ -68,6 +68,7 @@ struct RefineSettings {
   double least_constraint = 0.001;
   double motion_preference = 0.05;
   double minimum_move = 5e-5;
+  double colour_weight = 0;
 };
 
 /// Iterative closest points, of method icp.

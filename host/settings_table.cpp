@@ -172,6 +172,11 @@ std::vector<SettingsField> makeTable() {
           R(&RefineSettings::motion_preference)),
       row("refine.minimum_move", "m, rad", 0, 1, "a smaller step ends the descent",
           R(&RefineSettings::minimum_move)),
+      row("refine.colour_weight", "", 0, 1000,
+          "what colour weighs beside depth where depth leaves a direction open and the sequence has colour; "
+          "0: "
+          "never asked",
+          R(&RefineSettings::colour_weight)),
 
       row(
           "pfo.shift_deviation", "m", 0, 1, "of the proposal [eq. proposal]; the pfo group is of method pfo",

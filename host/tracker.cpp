@@ -77,7 +77,8 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, do
   double best_cost = 2;
   const auto descendFrom = [&](const std::vector<Pose>& starts) {
     for (const PoseFit& fit : refiner_.refine(volume, starts, s.coarse_iterations, expected)) {
-      const double cost = fit.cost + s.motion_preference * unexpectedness(fit.world_from_camera, expected);
+      const double cost =
+          fit.cost + fit.colour_cost + s.motion_preference * unexpectedness(fit.world_from_camera, expected);
       if (cost >= best_cost) continue;
       best_cost = cost;
       best = fit;

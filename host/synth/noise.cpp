@@ -43,4 +43,11 @@ cv::Mat addHandaNoise(const cv::Mat& depth, Rng& rng, DisparityRounding rounding
   return noisy;
 }
 
+void addColourNoise(cv::Mat& colour, Rng& rng) {
+  for (int v = 0; v < colour.rows; ++v)
+    for (int u = 0; u < colour.cols; ++u)
+      for (std::uint8_t& channel : colour.at<cv::Vec3b>(v, u).val)
+        channel = cv::saturate_cast<std::uint8_t>(channel + kColourSigma * rng.normal());
+}
+
 }  // namespace rosefusion

@@ -1,4 +1,4 @@
-// The depth noise of a structured-light camera.
+// The noise of a structured-light camera, and of a colour camera beside it.
 #pragma once
 #include <opencv2/core/mat.hpp>
 
@@ -24,5 +24,10 @@ enum class DisparityRounding {
 /// data made by it; what else it does (depth in whole centimetres, holes from the dot pattern) is left out.
 cv::Mat addHandaNoise(const cv::Mat& depth, Rng& rng,
                       DisparityRounding rounding = DisparityRounding::kPublished);
+
+inline constexpr double kColourSigma = 2;  ///< of 255
+
+/// Adds a camera's noise to a CV_8UC3 image: normal, each channel of each pixel by itself.
+void addColourNoise(cv::Mat& colour, Rng& rng);
 
 }  // namespace rosefusion

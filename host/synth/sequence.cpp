@@ -23,14 +23,16 @@ Frame SynthPlan::renderFrame(std::size_t i, std::vector<std::uint8_t>* seen) con
   Frame frame;
   frame.timestamp = truth_[i].timestamp;
   cv::Mat depth = renderDepth(*tracer_, options_.intrinsics, pose, options_.max_depth, seen);
-  if (options_.noise != DepthNoise::kNone) {
-    Rng rng(options_.seed, 1000 + i);  // one stream per frame: the same whichever thread renders it
+  const bool noisy = options_.noise != DepthNoise::kNone;
+  Rng rng(options_.seed, 1000 + i);  // one stream per frame: the same whichever thread renders it
+  if (noisy)
     depth = addHandaNoise(depth, rng,
                           options_.noise == DepthNoise::kSimkinect ? DisparityRounding::kSimkinect
                                                                    : DisparityRounding::kPublished);
-  }
   depth.convertTo(frame.depth, CV_16UC1, kSynthDepthUnitsPerMetre);
   if (options_.colour) frame.colour = renderColour(*tracer_, options_.intrinsics, pose);
+  if (options_.colour && noisy)
+    addColourNoise(frame.colour, rng);  // after the depth's, which it does not change
   return frame;
 }
 

@@ -12,6 +12,7 @@
 #include "host/error.h"
 #include "host/export/mesh_io.h"
 #include "host/file_io.h"
+#include "host/synth/noise.h"
 #include "host/synth/parallel.h"
 
 namespace rosefusion {
@@ -104,6 +105,8 @@ std::string synthReport(const SynthPlan& plan) {
   if (o.noise != DepthNoise::kNone)
     json["disparity"] = o.noise == DepthNoise::kHanda ? "floor(d + n + 0.5)" : "round(d + n + 0.5)";
   json["colour"] = o.colour;
+  // Earlier sequences had colours without noise.
+  if (o.colour && o.noise != DepthNoise::kNone) json["colour_sigma"] = kColourSigma;
   json["up"] = {plan.scene().up.x(), plan.scene().up.y(), plan.scene().up.z()};
   json["true_motion"] = {{"linear_mean_mps", s.linear_mean},
                          {"linear_max_mps", s.linear_max},

@@ -17,6 +17,7 @@
 #include "shaders/compute/interface/raycast.h"
 #include "shaders/compute/interface/raycast_range.h"
 #include "shaders/compute/interface/refine.h"
+#include "shaders/compute/interface/refine_colour.h"
 #include "shaders/compute/interface/select_points.h"
 #include "shaders/compute/interface/sum_check.h"
 #include "shaders/compute/interface/volume.h"
@@ -70,6 +71,11 @@ const std::map<std::string, ShaderStruct>& structsInCpp() {
              MEMBER(RefineParams, last_size)),
       STRUCT(RefineCandidate, MEMBER(RefineCandidate, world_from_camera),
              MEMBER(RefineCandidate, last_image_from_camera)),
+      STRUCT(RefineColourParams, MEMBER(RefineColourParams, focal_centre), MEMBER(RefineColourParams, size),
+             MEMBER(RefineColourParams, huber), MEMBER(RefineColourParams, parts),
+             MEMBER(RefineColourParams, pad0), MEMBER(RefineColourParams, pad1)),
+      STRUCT(RefineColourCandidate, MEMBER(RefineColourCandidate, world_from_camera),
+             MEMBER(RefineColourCandidate, gain)),
       STRUCT(SelectParams, MEMBER(SelectParams, previous_from_current), MEMBER(SelectParams, focal_centre),
              MEMBER(SelectParams, size), MEMBER(SelectParams, grid)),
       STRUCT(SumCheckParams, MEMBER(SumCheckParams, first), MEMBER(SumCheckParams, count)),

@@ -155,15 +155,15 @@ std::vector<SumRange> refineSums(const VoxelValues& values, std::span<const Eige
   return sums;
 }
 
-Comparison compare(std::span<const SumRange> expected, std::span<const double> sums) {
+Comparison compare(std::span<const SumRange> expected, std::span<const double> sums, std::size_t per_pose) {
   Comparison result;
   for (std::size_t i = 0; i < std::min(expected.size(), sums.size()); ++i) {
     const auto [low, high, size] = expected[i];
     if (high - low > kWide * size) ++result.skipped;
     const double error = std::max({0.0, low - sums[i], sums[i] - high});
     result.add(error == 0 ? 0 : error / (kTermTolerance * size),
-               "sum " + std::to_string(i % kRefineSums) + " of pose " + std::to_string(i / kRefineSums) +
-                   ": " + std::to_string(sums[i]) + ", expected " + std::to_string(low) + " to " +
+               "sum " + std::to_string(i % per_pose) + " of pose " + std::to_string(i / per_pose) + ": " +
+                   std::to_string(sums[i]) + ", expected " + std::to_string(low) + " to " +
                    std::to_string(high));
   }
   if (expected.size() != sums.size()) result.add(INFINITY, "the number of sums differs");

@@ -34,7 +34,9 @@ constexpr int kRefineSums = 32;
 std::vector<SumRange> refineSums(const VoxelValues& values, std::span<const Eigen::Vector3d> points,
                                  const Pose& world_from_camera, const RefineModel& model);
 
-/// Counts as skipped the sums whose range is so wide that they test little.
-Comparison compare(std::span<const SumRange> expected, std::span<const double> sums);
+/// Counts as skipped the sums whose range is so wide that they test little. `per_pose`: how many sums a pose
+/// has.
+Comparison compare(std::span<const SumRange> expected, std::span<const double> sums,
+                   std::size_t per_pose = kRefineSums);
 
 }  // namespace rosefusion::reference

@@ -1,4 +1,5 @@
-// Continuous versions of the stored TSDF; include after lib/volume.glsl with VOLUME_TABLE and VOLUME_TSDF.
+// Continuous versions of the stored TSDF and colour; include after lib/volume.glsl with VOLUME_TABLE and VOLUME_TSDF or
+// VOLUME_COLOUR or both.
 // Positions are in voxels from the table's corner, where voxel i has its centre at i + 0.5, and must stay two voxels
 // inside the table. Derivatives are per voxel.
 
@@ -17,6 +18,7 @@ Patch patchOf(ivec3 low, ivec3 high) {
                uvec4(tableEntry(h.x), tableEntry(h.y), tableEntry(h.z), tableEntry(h.w)));
 }
 
+#ifdef VOLUME_TSDF
 // Values of the 8 voxels around a position.
 struct Cell {
   vec4 low;   // z of `voxel`: (x0 y0, x1 y0, x0 y1, x1 y1)
@@ -92,3 +94,44 @@ Neighbourhood neighbourhoodOf(vec3 position) {
   }
   return sum;
 }
+#endif
+
+#ifdef VOLUME_COLOUR
+float luminanceOf(uint rgb) { return dot(unpackUnorm4x8(rgb).xyz, vec3(0.299, 0.587, 0.114)); }  // Rec. 601
+
+// The same of the voxels' luminance, from 0 (black) to 1.
+struct Luminance {
+  float value;
+  vec3 gradient;
+  bool known;  // whether all 27 have a colour
+};
+
+Luminance luminanceAt(vec3 position) {
+  ivec3 centre = ivec3(position);
+  vec3 f = position - vec3(centre) - 0.5;
+  vec3 linear[3] = vec3[3](max(-f, 0.0), 1.0 - abs(f), max(f, 0.0));
+  vec3 a = 0.5 - f, b = 0.5 + f;
+  vec3 spline[3] = vec3[3](0.5 * a * a, 0.75 - f * f, 0.5 * b * b);
+  vec3 slope[3] = vec3[3](-a, -2.0 * f, b);
+
+  ivec3 low = centre - 1, block = low >> 3;
+  Patch slots = patchOf(low, centre + 1);
+  Luminance sum = Luminance(0.0, vec3(0.0), true);
+  for (int k = 0; k < 3; ++k) {
+    uvec4 layer = ((low.z + k) >> 3) != block.z ? slots.slots_high : slots.slots_low;
+    for (int j = 0; j < 3; ++j) {
+      uvec2 pair = ((low.y + j) >> 3) != block.y ? layer.zw : layer.xy;
+      for (int i = 0; i < 3; ++i) {
+        uint slot = ((low.x + i) >> 3) != block.x ? pair.y : pair.x;
+        uint word = colourWord(chunkOf(slot), slotInChunk(slot) * kBlockColourWords + localIndex(low + ivec3(i, j, k)));
+        sum.known = sum.known && word >> 24 != 0u;
+        float v = luminanceOf(word);
+        sum.gradient += v * vec3(slope[i].x * spline[j].y * spline[k].z, spline[i].x * slope[j].y * spline[k].z,
+                                 spline[i].x * spline[j].y * slope[k].z);
+        sum.value += v * linear[i].x * linear[j].y * linear[k].z;
+      }
+    }
+  }
+  return sum;
+}
+#endif

@@ -84,7 +84,11 @@ float weightInBlock(uint slot, uint local) {
 #endif
 
 #ifdef VOLUME_COLOUR
+#ifdef VOLUME_TEXELS
+TEXEL_POOL(colour, VOLUME_COLOUR)
+#else
 POOL(colour, VOLUME_COLOUR)
+#endif
 #endif
 
 uint localIndex(ivec3 voxel) {

@@ -117,5 +117,19 @@ TEST(HandaNoise, InvalidPixelsStayInvalidAndDoNotSpread) {
     }
 }
 
+TEST(ColourNoise, IsNormalAndLeavesTheMean) {
+  cv::Mat grey(240, 320, CV_8UC3, cv::Scalar(120, 60, 200));
+  Rng rng(9);
+  addColourNoise(grey, rng);
+  cv::Scalar mean, sigma;
+  cv::meanStdDev(grey, mean, sigma);
+  const double expected[] = {120, 60, 200};
+  for (int channel = 0; channel < 3; ++channel) {
+    EXPECT_NEAR(mean[channel], expected[channel], 5 * kColourSigma / std::sqrt(240.0 * 320));
+    // Rounding to whole numbers adds a twelfth to the variance.
+    EXPECT_NEAR(sigma[channel], std::hypot(kColourSigma, std::sqrt(1.0 / 12)), 0.02 * kColourSigma);
+  }
+}
+
 }  // namespace
 }  // namespace rosefusion

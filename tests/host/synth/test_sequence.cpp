@@ -85,6 +85,15 @@ TEST(Sequence, NoiseCanBeTurnedOff) {
   EXPECT_TRUE(clean.frames[1].colour.empty());
 }
 
+TEST(Sequence, ColourDoesNotChangeTheDepth) {
+  SynthOptions options = smallOptions(5, 3);
+  const SynthSequence without = makeSequence(options);
+  options.colour = true;
+  const SynthSequence with = makeSequence(options);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_TRUE(same(with.frames[i].depth, without.frames[i].depth)) << "frame " << i;
+}
+
 class Folder : public ::testing::Test {
  protected:
   Folder()
