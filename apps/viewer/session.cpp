@@ -1,5 +1,6 @@
 #include "apps/viewer/session.h"
 
+#include <algorithm>
 #include <chrono>
 #include <opencv2/imgproc.hpp>
 
@@ -93,10 +94,10 @@ Snapshot Session::snapshot() const {
   return shown_;
 }
 
-void Session::command(Command command) {
+void Session::command(Kind kind, std::function<void()> action) {
   {
     const std::lock_guard lock(mutex_);
-    commands_.push_back(std::move(command));
+    commands_.push_back({kind, std::move(action)});
   }
   changed_.notify_all();
 }
@@ -111,9 +112,9 @@ void Session::work() {
   while (true) {
     changed_.wait(lock, [this] { return stopping_ || playing_ || !commands_.empty(); });
     if (stopping_) return;
-    Command next = [this] { nextFrame(); };
+    std::function<void()> next = [this] { nextFrame(); };
     if (!commands_.empty()) {
-      next = std::move(commands_.front());
+      next = std::move(commands_.front().action);
       commands_.pop_front();
     }
     busy_ = true;
@@ -125,9 +126,9 @@ void Session::work() {
   }
 }
 
-void Session::carryOut(const Command& command) {
+void Session::carryOut(const std::function<void()>& action) {
   try {
-    command();
+    action();
   } catch (const DeviceError& error) {
     finish(error.code() == DeviceErrorCode::OutOfMemory ? Phase::Finished : Phase::Failed, error.what(),
            true);
@@ -149,14 +150,14 @@ void Session::finish(Phase phase, const std::string& message, bool problem) {
 }
 
 void Session::open(const std::string& source) {
-  command([this, source] {
+  command(Kind::Open, [this, source] {
     source_name_ = source;
     begin();
   });
 }
 
 void Session::reset() {
-  command([this] {
+  command(Kind::Open, [this] {
     if (!source_name_.empty()) begin();
   });
 }
@@ -181,9 +182,10 @@ void Session::begin() {
   last_pose_.reset();
   SourceOptions options = source_options_;
   options.sequence.colour = settings_.volume.colour;
-  const auto stop = [this] {
+  const auto stop = [this] {  // what is to be done with this source waits for it
     const std::lock_guard lock(mutex_);
-    return stopping_ || !commands_.empty();
+    return stopping_ || std::any_of(commands_.begin(), commands_.end(),
+                                    [](const Command& c) { return c.kind == Kind::Open; });
   };
   source_ = openSource(source_name_, options, stop);
   if (!source_) return;
@@ -200,7 +202,7 @@ void Session::begin() {
 }
 
 void Session::play() {
-  command([this] {
+  command(Kind::Other, [this] {
     if (!pipeline_) return;
     const std::lock_guard lock(mutex_);
     if (shown_.phase != Phase::Paused) return;
@@ -210,7 +212,7 @@ void Session::play() {
 }
 
 void Session::pause() {
-  command([this] {
+  command(Kind::Other, [this] {
     const std::lock_guard lock(mutex_);
     if (shown_.phase != Phase::Playing) return;
     playing_ = false;
@@ -219,7 +221,7 @@ void Session::pause() {
 }
 
 void Session::step() {
-  command([this] {
+  command(Kind::Step, [this] {
     if (pipeline_ && snapshot().phase == Phase::Paused) nextFrame();
   });
 }
@@ -234,7 +236,9 @@ void Session::nextFrame() {
       say("No frame has come for a while; waiting for the camera or the sender.", true);
     // Steps in a row are all carried out; only one that waits for a camera gives way.
     const std::lock_guard lock(mutex_);
-    return stopping_ || ((playing_ || waited > kGivesWay) && !commands_.empty());
+    return stopping_ || ((playing_ || waited > kGivesWay) &&
+                         std::any_of(commands_.begin(), commands_.end(),
+                                     [](const Command& c) { return c.kind != Kind::Step; }));
   };
   SourceState state = SourceState::End;
   try {
@@ -321,7 +325,7 @@ void Session::publish(const SourceFrame& frame, const FrameResult& result) {
 }
 
 void Session::set(const std::string& key, const std::string& value) {
-  command([this, key, value] {
+  command(Kind::Other, [this, key, value] {
     Settings changed = settings_;
     setField(changed, key, value, "the viewer");
     requireConsistent(changed);
@@ -336,7 +340,7 @@ void Session::set(const std::string& key, const std::string& value) {
 }
 
 void Session::saveMesh(const std::filesystem::path& file) {
-  command([this, file] {
+  command(Kind::Other, [this, file] {
     if (!pipeline_ || pipeline_->volume().blockCount() == 0)
       return say("There is no surface to save yet.", true);
     say("Writing " + file.string() + " ...");
@@ -350,7 +354,7 @@ void Session::saveMesh(const std::filesystem::path& file) {
 }
 
 void Session::saveTrajectory(const std::filesystem::path& file) {
-  command([this, file] {
+  command(Kind::Other, [this, file] {
     if (trajectory_.empty()) return say("There is no trajectory to save yet.", true);
     writeTumTrajectory(file, trajectory_);
     writeFileAtomically(file.parent_path() / "settings.yaml", toYaml(pipeline_->settings()));

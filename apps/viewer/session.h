@@ -82,10 +82,14 @@ class Session {
 
  private:
   using Clock = std::chrono::steady_clock;
-  using Command = std::function<void()>;
-  void command(Command command);
+  enum class Kind { Open, Step, Other };
+  struct Command {
+    Kind kind;
+    std::function<void()> action;
+  };
+  void command(Kind kind, std::function<void()> action);
   void work();
-  void carryOut(const Command& command);
+  void carryOut(const std::function<void()>& action);
   void begin();
   void nextFrame();
   void end();

@@ -1,8 +1,11 @@
 // The viewer's tracking thread: commands in, snapshots out, while the window goes on drawing.
 #include "apps/viewer/session.h"
 
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <opencv2/imgcodecs.hpp>
@@ -121,6 +124,42 @@ TEST_F(SessionTest, SavesFilesAndSaysWhatCannotBe) {
   EXPECT_THAT(failed.message, HasSubstr("/nowhere"));
   session_.open(sequence());
   EXPECT_EQ(idle().phase, Phase::Paused) << "one bad name is not the end";
+}
+
+/// A port that nobody listened on a moment ago.
+std::string freeEndpoint() {
+  const int s = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t length = sizeof address;
+  EXPECT_EQ(bind(s, reinterpret_cast<sockaddr*>(&address), length), 0);
+  EXPECT_EQ(getsockname(s, reinterpret_cast<sockaddr*>(&address), &length), 0);
+  close(s);
+  return "tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+}
+
+TEST_F(SessionTest, AStreamIsWaitedForByWhatIsToBeDoneWithIt) {
+  if (!streamsAvailable()) GTEST_SKIP() << "This build has no network streams.";
+  const std::string endpoint = freeEndpoint();
+  session_.open(endpoint);
+  session_.step();
+  session_.step();
+  session_.play();
+  std::this_thread::sleep_for(100ms);
+  EXPECT_EQ(session_.snapshot().phase, Phase::Opening);
+  const auto sequence_on_disk = openSequence(sequence(), {});
+  StreamSender sender(endpoint, sequence_on_disk->info(), {});
+  const auto late = std::chrono::steady_clock::now() + 60s;
+  const auto stop = [late] { return std::chrono::steady_clock::now() > late; };
+  for (std::size_t i = 0; i < 4; ++i) {
+    Frame frame;
+    std::string problem;
+    ASSERT_TRUE(sequence_on_disk->read(i, frame, problem)) << problem;
+    ASSERT_TRUE(sender.send(frame, stop));
+  }
+  EXPECT_TRUE(sender.finish(stop));
+  EXPECT_EQ(watch([](const Snapshot& s) { return s.phase == Phase::Finished; }).frames, 4u);
 }
 
 TEST_F(SessionTest, ACameraThatIsCoveredIsLostAndComesBack) {
