@@ -67,7 +67,7 @@ inline const std::vector<Frame>& ringFrames() {
   static const std::vector<Frame> frames = [] {
     // It comes and goes over some frames, as drift does: what changes from one frame to the next is doubted.
     constexpr double kTooFar = 0.05, kRamp = 8;
-    constexpr int kFirstScaled = 26, kScaledEnd = 84;
+    constexpr int kFirstScaled = 28, kScaledEnd = 83;
     const Scene scene = ringHall();
     const Tracer tracer(scene);
     std::vector<Frame> out;

@@ -55,7 +55,8 @@ class ColourTracking : public ValidatingDevice {
       }
       const FrameResult result = pipeline.processFrame(frame);
       EXPECT_NE(result.status, TrackingStatus::Lost) << "frame " << i << ": " << result.reason;
-      out.tracked += i > 0 && result.status == TrackingStatus::Tracked;
+      // The second frame meets a model of one noisy image, whose noise alone can seem to hold it.
+      out.tracked += i > 1 && result.status == TrackingStatus::Tracked;
       const Eigen::Vector3d truth = poseAt(i).translation();
       out.worst_m = std::max(out.worst_m, (result.world_from_camera.translation() - truth).norm());
       out.motion_m = std::max(out.motion_m, truth.norm());
