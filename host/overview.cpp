@@ -39,11 +39,6 @@ void Overview::add(FrameFuser& fuser, Recorder& recorder, const cv::Mat& depth,
     normals_.push_back(world_from_camera.linear() * normals[i]);
 }
 
-void Overview::clear() {
-  volume_.clear();
-  normals_.clear();
-}
-
 std::vector<Eigen::Matrix3d> Overview::rotationsOf(const cv::Mat& depth) const {
   return agreeingRotations(
       dominantDirections(surfaceNormals(metresOf(depth), camera_), kShareOfView, kDirectionsOfView),

@@ -13,9 +13,9 @@ class Overview {
 
   /// Adds the frame (see Frame::depth) that `fuser` holds, at its pose.
   void add(FrameFuser& fuser, Recorder& recorder, const cv::Mat& depth, const Pose& world_from_camera);
-  void clear();
   /// Voxels and truncation are several times those of the model proper. No colour.
   const Volume& volume() const { return volume_; }
+  /// To be made anew after a correction of the map, whose turns are too small to change the directions.
   Volume& volume() { return volume_; }
   /// How the camera may be turned for its image to face what is known: world_from_camera, likeliest first.
   std::vector<Eigen::Matrix3d> rotationsOf(const cv::Mat& depth) const;
