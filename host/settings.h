@@ -47,6 +47,7 @@ struct TrackingSettings {
   Overlap overlap = Overlap::kBestPose;
   bool normalise = true;
   bool compensate = true;
+  double race_margin = 0;
   std::uint64_t seed = 1;
   int templates_per_level = 20;
   double min_valid_share = 0.02;

@@ -136,6 +136,11 @@ std::vector<SettingsField> makeTable() {
           T(&TrackingSettings::normalise)),
       row("tracking.compensate", "", 0, 1, "Kahan-compensated sums [GPU implementation]",
           T(&TrackingSettings::compensate)),
+      row("tracking.race_margin", "", 0, 100,
+          "a particle of the search is given up as soon as its mean loss over n pixels exceeds the centre's "
+          "by "
+          "more than this / sqrt(n); 0: never",
+          T(&TrackingSettings::race_margin)),
       row("tracking.seed", "", 0, 1e15, "seed of the swarm templates", T(&TrackingSettings::seed)),
       row("tracking.templates_per_level", "", 1, 1000, "templates of each size, used in turn",
           T(&TrackingSettings::templates_per_level)),

@@ -56,8 +56,9 @@ SwarmResult SwarmSearch::search(const PreprocessPass& frame, const Volume& volum
     evaluator_.evaluate(
         frame, volume, {level.pixel_stride, offset.x(), offset.y()}, state.centre, last,
         {toShader(state.centre), shaderLengths(state.axis_lengths, 0), shaderLengths(state.axis_lengths, 3),
-         level_offsets_[state.level] + number * particles, particles});
-    result.lookups += std::uint64_t(particles) * evaluator_.select.selected();
+         level_offsets_[state.level] + number * particles, particles,
+         static_cast<float>(settings_.tracking.race_margin)});
+    result.lookups += evaluator_.fitness.lookups();
     const std::function<Pose(std::size_t)> pose = [&](std::size_t i) {
       return moveBy(state.centre, scaledParticle(swarm_template, i, state.axis_lengths));
     };

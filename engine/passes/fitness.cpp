@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 
 #include "engine/error.h"
 
@@ -28,7 +29,7 @@ FitnessPass::FitnessPass(Device& device, std::span<const glm::vec4> templates, L
       loss_(loss),
       compensate_(compensate),
       slices_(slices),
-      reduce_(device, shaderCode("fitness_reduce"), 3, sizeof(FitnessReduceParams)) {
+      reduce_(device, shaderCode("fitness_reduce"), 4, sizeof(FitnessReduceParams)) {
   overlap_ = Buffer(device, sizeof(OverlapView), Memory::Upload);
   setTemplates(templates);
 }
@@ -41,6 +42,11 @@ void FitnessPass::setTemplates(std::span<const glm::vec4> templates) {
   Recorder recorder(device_);
   recorder.copy(stage, templates_, templates.size_bytes());
   recorder.submit();
+}
+
+std::uint64_t FitnessPass::lookups() const {
+  const auto walked = walked_.as<std::uint32_t>().first(particles_);
+  return std::accumulate(walked.begin(), walked.end(), std::uint64_t(0));
 }
 
 void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points,
@@ -56,6 +62,8 @@ void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectP
     loss_buffer_ = Buffer(device_, 4ull * swarm.particles, Memory::Readback);
   if (counted_.bytes() < 4ull * swarm.particles)
     counted_ = Buffer(device_, 4ull * swarm.particles, Memory::Readback);
+  if (walked_.bytes() < 4ull * swarm.particles)
+    walked_ = Buffer(device_, 4ull * swarm.particles, Memory::Readback);
   if (last_view) {
     const glm::vec4 f = last_view->camera.focal_centre;
     const glm::mat4 image_from_camera(f.x, 0, 0, 0, 0, f.y, 0, 0, f.z, f.w, 1, 0, 0, 0, 0, 1);
@@ -63,17 +71,16 @@ void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectP
                                      last_view->camera.size};
   }
 
-  Kernel& kernel = kernels_[{volume.chunks(), last_view != nullptr}];
+  // One slice cannot give a particle up for the others: their sums would stand for different points.
+  const bool race = swarm.race_margin > 0 && slices == 1;
+  Kernel& kernel = kernels_[{volume.chunks(), last_view != nullptr, race}];
   if (!kernel)
-    kernel = Kernel(device_, volume.reader("fitness"), kFitnessBindings, sizeof(FitnessParams),
-                    {volume.chunks(), static_cast<std::uint32_t>(loss_), compensate_, last_view != nullptr});
-  const FitnessParams params{swarm.world_from_camera,
-                             swarm.translation_lengths,
-                             swarm.rotation_lengths,
-                             swarm.particles,
-                             swarm.first_particle,
-                             slices,
-                             0};
+    kernel =
+        Kernel(device_, volume.reader("fitness"), kFitnessBindings, sizeof(FitnessParams),
+               {volume.chunks(), static_cast<std::uint32_t>(loss_), compensate_, last_view != nullptr, race});
+  const FitnessParams params{swarm.world_from_camera, swarm.translation_lengths, swarm.rotation_lengths,
+                             swarm.particles,         swarm.first_particle,      slices,
+                             swarm.race_margin};
   const Buffer* buffers[kFitnessBindings] = {&volume.layoutBuffer(), &volume.table()};
   for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk)
     buffers[kFitnessBindTsdf + chunk] = &volume.tsdf(chunk);
@@ -84,7 +91,7 @@ void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectP
   buffers[kFitnessBindOverlap] = &overlap_;
   recorder.dispatchBytes(kernel, buffers, &params, sizeof(params),
                          {(swarm.particles + kFitnessParticles - 1) / kFitnessParticles, slices});
-  recorder.dispatch(reduce_, {&partial_, &loss_buffer_, &counted_},
+  recorder.dispatch(reduce_, {&partial_, &loss_buffer_, &counted_, &walked_},
                     FitnessReduceParams{swarm.particles, slices}, {swarm.particles});
 }
 

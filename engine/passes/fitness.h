@@ -21,6 +21,10 @@ struct SwarmPlacement {
   glm::vec4 rotation_lengths{0};
   std::uint32_t first_particle = 0;
   std::uint32_t particles = 0;
+  /// Racing: particles whose mean loss over n points exceeds particle 0's by more than this / sqrt(n) are
+  /// given up early, where all that share an invocation are, and have no loss; 0: none is. Only points walked
+  /// in one slice are raced over.
+  float race_margin = 0;
 };
 
 /// The last frame's camera, against which each particle tests its own overlap [eq:validness, at the
@@ -49,16 +53,18 @@ class FitnessPass {
   std::span<const float> losses() const { return loss_buffer_.as<float>().first(particles_); }
   /// After the submit: points counted per particle.
   std::span<const std::uint32_t> counted() const { return counted_.as<std::uint32_t>().first(particles_); }
+  /// After the submit: TSDF lookups of all particles.
+  std::uint64_t lookups() const;
 
  private:
   Device& device_;
   Loss loss_;
   bool compensate_;
   std::uint32_t slices_;
-  std::map<std::pair<std::uint32_t, bool>, Kernel>
-      kernels_;  ///< by number of pool chunks, and overlap per particle
+  std::map<std::tuple<std::uint32_t, bool, bool>, Kernel>
+      kernels_;  ///< by number of pool chunks, overlap per particle, and racing
   Kernel reduce_;
-  Buffer templates_, partial_, loss_buffer_, counted_, overlap_;
+  Buffer templates_, partial_, loss_buffer_, counted_, walked_, overlap_;
   std::uint32_t particles_ = 0;
 };
 

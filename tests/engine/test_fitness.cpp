@@ -17,6 +17,7 @@ constexpr int kParticles = 200;  // two templates of 100; not a multiple of the 
 // Particles whose range, from points on a voxel's face, is wider than 2e-3.
 constexpr double kWideShare = 0.02;
 constexpr PixelGrid kGrid{5, 2, 3};
+constexpr int kTogether = 4;  // particles that an invocation of the pass carries
 
 /// What the reference is given; the defaults are what the engine gets.
 struct Swarm {
@@ -24,6 +25,7 @@ struct Swarm {
   Vector6 lengths = Vector6::Constant(0.2);
   Loss loss = Loss::Squared;
   int first = 0, count = kParticles;
+  float race_margin = 0;
 };
 
 class Fitness : public ValidatingDevice {
@@ -58,12 +60,15 @@ class Fitness : public ValidatingDevice {
     }
   }
 
+  static SwarmPlacement placement(const Swarm& swarm) {
+    const auto& l = swarm.lengths;
+    return {onDevice(swarm.centre),     glm::vec4(l[0], l[1], l[2], 0), glm::vec4(l[3], l[4], l[5], 0),
+            std::uint32_t(swarm.first), std::uint32_t(swarm.count),     swarm.race_margin};
+  }
+
   std::vector<float> losses(const Swarm& swarm, std::uint32_t slices, bool compensate = true) {
     FitnessPass pass(device(), templates_, swarm.loss, compensate, slices);
-    const auto& l = swarm.lengths;
-    pass.record(run_->recorder, run_->volume, *points_,
-                {onDevice(swarm.centre), glm::vec4(l[0], l[1], l[2], 0), glm::vec4(l[3], l[4], l[5], 0),
-                 std::uint32_t(swarm.first), std::uint32_t(swarm.count)});
+    pass.record(run_->recorder, run_->volume, *points_, placement(swarm));
     run_->recorder.submit();
     return {pass.losses().begin(), pass.losses().end()};
   }
@@ -114,6 +119,91 @@ TEST_F(Fitness, APartOfTheTemplatesIsReadFromItsFirstParticle) {
       throwsDeviceError([&] { losses(swarm_, 1); }, DeviceErrorCode::Programming, {"past the templates"}));
 }
 
+/// Passes fitness and fitness_reduce with racing.
+class FitnessRace : public Fitness {
+ protected:
+  static constexpr float kMargin = 2;
+
+  void run(double size, float margin) {
+    swarm_.loss = Loss::Absolute;
+    swarm_.race_margin = margin;
+    swarm_.lengths = (size * swarm_.lengths).cast<float>().cast<double>();
+    pass_.emplace(device(), templates_, swarm_.loss, true, 1);
+    pass_->record(run_->recorder, run_->volume, *points_, placement(swarm_));
+    run_->recorder.submit();
+  }
+
+  std::vector<reference::RaceEnd> ends(double margin) const {
+    const reference::VoxelValues values(reference_contents_.blocks, reference_contents_.tsdf,
+                                        kVolume.voxel_size);
+    std::vector<std::vector<reference::LossRange>> losses;
+    for (const Vector6& entry : entries_) {
+      const Pose pose = reference::particlePose(swarm_.centre, entry, swarm_.lengths);
+      losses.emplace_back();
+      for (const Eigen::Vector3d& point : reference_points_)
+        losses.back().push_back(lossOf(values, point, pose, reference::LossKind::Absolute));
+    }
+    return reference::race(losses, kTogether, margin);
+  }
+
+  std::optional<FitnessPass> pass_;
+};
+
+TEST_F(FitnessRace, NobodyLeavesWithoutAMargin) {
+  run(1, 0);
+  EXPECT_EQ(pass_->lookups(), kParticles * reference_points_.size());
+}
+
+// As in a first iteration: nearly all are given up after their first points.
+TEST_F(FitnessRace, PointsLookedUpAreThoseOfTheReference) {
+  run(1, kMargin);
+  std::uint64_t walked = 0;
+  for (const reference::RaceEnd& end : ends(kMargin)) {
+    ASSERT_FALSE(end.close);
+    walked += end.walked;
+  }
+  EXPECT_EQ(pass_->lookups(), walked);
+  EXPECT_LT(walked, kParticles * reference_points_.size() / 4);
+}
+
+// As later in a search: some stay, and have their whole loss.
+TEST_F(FitnessRace, WhoIsGivenUpIsAsInTheReference) {
+  run(0.14, kMargin);
+  const auto ranges = expected(swarm_);
+  const auto disagreements = [&](double margin) {
+    int wrong = 0, close = 0, given_up = 0;
+    std::vector<reference::LossRange> stayed;
+    std::vector<float> measured;
+    const auto all = ends(margin);
+    for (int i = 0; i < kParticles; ++i) {
+      const bool lost = pass_->losses()[i] < 0;
+      EXPECT_EQ(lost, pass_->counted()[i] == 0);
+      close += all[i].close;
+      given_up += all[i].given_up;
+      wrong += !all[i].close && all[i].given_up != lost;
+      if (lost) continue;
+      stayed.push_back(ranges[i]);
+      measured.push_back(pass_->losses()[i]);
+    }
+    EXPECT_LT(close, kParticles / 4);
+    EXPECT_GT(given_up, kParticles / 3) << "too few leave the race for the test to mean something";
+    EXPECT_TRUE(agrees(compare(stayed, measured), 0.05));
+    return wrong;
+  };
+  EXPECT_EQ(disagreements(kMargin), 0);
+  EXPECT_GT(disagreements(kMargin * 1.3), 0);
+  EXPECT_GT(disagreements(kMargin / 1.3), 0);
+}
+
+TEST_F(Fitness, SlicesGiveNobodyUp) {
+  swarm_.loss = Loss::Absolute;
+  const auto without = losses(swarm_, 3);
+  swarm_.race_margin = 0.1f;
+  EXPECT_EQ(losses(swarm_, 3), without);
+  const auto raced = losses(swarm_, 1);
+  EXPECT_GT(std::count(raced.begin(), raced.end(), -1.0f), 0);
+}
+
 TEST_F(Fitness, RotationsBeyondHalfATurnStopThere) {
   swarm_.lengths.tail<3>().setConstant(3);
   EXPECT_TRUE(agrees(compare(expected(swarm_), losses(swarm_, 1)), kWideShare));
@@ -139,12 +229,8 @@ TEST_F(Fitness, EachParticleCountsItsOwnOverlapWithTheLastView) {
   Pose last = swarm_.centre;  // a turn to the side, so that the overlap differs from particle to particle
   last.rotate(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()));
   FitnessPass pass(device(), templates_, swarm_.loss, true, 3);
-  const auto& l = swarm_.lengths;
   const LastView view{onDevice(Pose(last.inverse())), onDevice(kOddCamera)};
-  pass.record(run_->recorder, run_->volume, *points_,
-              {onDevice(swarm_.centre), glm::vec4(l[0], l[1], l[2], 0), glm::vec4(l[3], l[4], l[5], 0), 0,
-               kParticles},
-              &view);
+  pass.record(run_->recorder, run_->volume, *points_, placement(swarm_), &view);
   run_->recorder.submit();
 
   const reference::VoxelValues values(reference_contents_.blocks, reference_contents_.tsdf,

@@ -48,7 +48,7 @@ const std::map<std::string, ShaderStruct>& structsInCpp() {
       STRUCT(FitnessParams, MEMBER(FitnessParams, world_from_camera),
              MEMBER(FitnessParams, translation_lengths), MEMBER(FitnessParams, rotation_lengths),
              MEMBER(FitnessParams, particles), MEMBER(FitnessParams, first_particle),
-             MEMBER(FitnessParams, slices), MEMBER(FitnessParams, pad0)),
+             MEMBER(FitnessParams, slices), MEMBER(FitnessParams, race_margin)),
       STRUCT(OverlapView, MEMBER(OverlapView, image_from_world), MEMBER(OverlapView, size)),
       STRUCT(FitnessReduceParams, MEMBER(FitnessReduceParams, particles),
              MEMBER(FitnessReduceParams, slices)),

@@ -11,6 +11,7 @@ constexpr double kVoxelError = 2e-4;
 // A compensated sum of single-precision squares, and the rounding of its mean.
 constexpr double kRelativeTolerance = 3e-7;
 constexpr double kWide = 2e-3;
+constexpr double kRaceTolerance = 1e-5;  // single precision in the race's bound
 }  // namespace
 
 VoxelValues::VoxelValues(std::span<const Block> blocks, std::span<const float> tsdf, double voxel_size)
@@ -41,27 +42,65 @@ Pose particlePose(const Pose& centre, const Eigen::Matrix<double, 6, 1>& entry,
   return pose;
 }
 
+LossRange lossOf(const VoxelValues& values, const Eigen::Vector3d& point, const Pose& world_from_camera,
+                 LossKind kind) {
+  const Eigen::Vector3d position = world_from_camera * point / values.voxelSize();
+  const Eigen::Vector3i first = (position.array() - kVoxelError).floor().cast<int>();
+  const Eigen::Vector3i last = (position.array() + kVoxelError).floor().cast<int>();
+  LossRange range{INFINITY, 0};
+  for (int z = first.z(); z <= last.z(); ++z)
+    for (int y = first.y(); y <= last.y(); ++y)
+      for (int x = first.x(); x <= last.x(); ++x) {
+        const double psi = values.at({x, y, z});
+        const double loss = kind == LossKind::Squared ? psi * psi : std::abs(psi);
+        range.low = std::min(range.low, loss);
+        range.high = std::max(range.high, loss);
+      }
+  return range;
+}
+
 LossRange meanLoss(const VoxelValues& values, std::span<const Eigen::Vector3d> points,
                    const Pose& world_from_camera, LossKind kind) {
   LossRange sum;
   for (const Eigen::Vector3d& point : points) {
-    const Eigen::Vector3d position = world_from_camera * point / values.voxelSize();
-    const Eigen::Vector3i first = (position.array() - kVoxelError).floor().cast<int>();
-    const Eigen::Vector3i last = (position.array() + kVoxelError).floor().cast<int>();
-    double low = INFINITY, high = 0;
-    for (int z = first.z(); z <= last.z(); ++z)
-      for (int y = first.y(); y <= last.y(); ++y)
-        for (int x = first.x(); x <= last.x(); ++x) {
-          const double psi = values.at({x, y, z});
-          const double loss = kind == LossKind::Squared ? psi * psi : std::abs(psi);
-          low = std::min(low, loss);
-          high = std::max(high, loss);
-        }
-    sum.low += low;
-    sum.high += high;
+    const LossRange range = lossOf(values, point, world_from_camera, kind);
+    sum.low += range.low;
+    sum.high += range.high;
   }
   const double count = static_cast<double>(points.size());
   return {sum.low / count, sum.high / count};
+}
+
+std::vector<RaceEnd> race(std::span<const std::vector<LossRange>> losses, int together, double margin) {
+  const auto particles = losses.size(), points = losses[0].size();
+  const std::size_t groups = (particles + together - 1) / together;
+  const std::size_t rounds = std::clamp<std::size_t>(points / 32, 1, 8);
+  std::vector<RaceEnd> ends(particles);
+  for (std::size_t group = 0; group < groups; ++group) {
+    RaceEnd end;
+    std::vector<LossRange> sums(together + 1);  // the last one is particle 0's
+    for (std::size_t round = 0; round < rounds && !end.given_up && !end.close; ++round) {
+      for (std::size_t i = round; i < points; i += rounds, ++end.walked)
+        for (int k = 0; k <= together; ++k) {
+          const std::size_t particle = k == together ? 0 : std::min(group + k * groups, particles - 1);
+          sums[k].low += losses[particle][i].low;
+          sums[k].high += losses[particle][i].high;
+        }
+      const double n = end.walked;
+      const LossRange bound{sums[together].low + margin * std::sqrt(n),
+                            sums[together].high + margin * std::sqrt(n)};
+      bool all = true, any = true;  // surely, possibly
+      for (int k = 0; k < together; ++k) {
+        all = all && sums[k].low > bound.high * (1 + kRaceTolerance);
+        any = any && sums[k].high > bound.low * (1 - kRaceTolerance);
+      }
+      end.given_up = all;
+      end.close = any && !all;
+    }
+    for (int k = 0; k < together; ++k)
+      if (group + k * groups < particles) ends[group + k * groups] = end;
+  }
+  return ends;
 }
 
 Comparison compare(std::span<const LossRange> expected, std::span<const float> losses) {

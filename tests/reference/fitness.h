@@ -35,8 +35,24 @@ struct LossRange {
   double high = 0;
 };
 
+/// One point's loss at a particle's pose.
+LossRange lossOf(const VoxelValues& values, const Eigen::Vector3d& point, const Pose& world_from_camera,
+                 LossKind kind);
+
 LossRange meanLoss(const VoxelValues& values, std::span<const Eigen::Vector3d> points,
                    const Pose& world_from_camera, LossKind kind);
+
+struct RaceEnd {
+  bool given_up = false;
+  bool close = false;  ///< rounding decides; nothing is known of it
+  int walked = 0;      ///< points looked up
+};
+
+/// Racing of particles [engine/passes/fitness.h]: points are looked up in up to 8 rounds of no fewer than 32,
+/// each spread over all of them; particle i shares its fate with those i + a quarter of all and so on
+/// (`together` of them); they are given up when the mean of each exceeds particle 0's by more than margin /
+/// sqrt(points). `losses`: per particle and point.
+std::vector<RaceEnd> race(std::span<const std::vector<LossRange>> losses, int together, double margin);
 
 /// Counts as skipped the particles whose range is so wide that they test little.
 Comparison compare(std::span<const LossRange> expected, std::span<const float> losses);

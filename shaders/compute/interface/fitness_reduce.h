@@ -10,6 +10,7 @@ const uint kFitnessReduceGroup = 64u;
 const uint kFitnessReduceBindPartial = 0u;
 const uint kFitnessReduceBindLoss = 1u;     // mean loss per particle; negative when no point was counted
 const uint kFitnessReduceBindCounted = 2u;  // points counted per particle
+const uint kFitnessReduceBindWalked = 3u;   // points looked up per particle, counted or not
 
 struct FitnessReduceParams {
   uint particles;
