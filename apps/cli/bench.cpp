@@ -38,7 +38,7 @@ struct Options {
 
 Settings settingsFor(const Options& o) {
   Settings settings = loadSettings(o.config);
-  settings.volume.colour = false;
+  if (o.suite == "passes") settings.volume.colour = false;  // as its yardsticks
   for (const std::string& assignment : o.assignments) applyAssignment(settings, assignment);
   requireConsistent(settings);
   return settings;
@@ -170,7 +170,7 @@ void addBenchCommand(CLI::App& app) {
       ->check(CLI::IsMember({"passes", "tracking", "network"}))
       ->capture_default_str();
   c->add_option("--config", o->config,
-                "Preset (default, paper) or YAML file; depth alone is fused unless "
+                "Preset (default, paper) or YAML file; the passes are timed on depth alone unless "
                 "--set volume.colour=true is given")
       ->capture_default_str();
   c->add_option("--set", o->assignments, "Change one setting: key=value; may be repeated")
