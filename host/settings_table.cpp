@@ -137,9 +137,10 @@ std::vector<SettingsField> makeTable() {
       row("tracking.compensate", "", 0, 1, "Kahan-compensated sums [GPU implementation]",
           T(&TrackingSettings::compensate)),
       row("tracking.race_margin", "", 0, 100,
-          "a particle of the search is given up as soon as its mean loss over n pixels exceeds the centre's "
-          "by "
-          "more than this / sqrt(n); 0: never",
+          "a particle of the search is given up as soon as its mean loss over n pixels exceeds the "
+          "centre's by more than this / sqrt(n); 0: never; raced on devices that walk a particle's pixels in "
+          "one "
+          "piece, as CPUs do",
           T(&TrackingSettings::race_margin)),
       row("tracking.seed", "", 0, 1e15, "seed of the swarm templates", T(&TrackingSettings::seed)),
       row("tracking.templates_per_level", "", 1, 1000, "templates of each size, used in turn",

@@ -195,6 +195,37 @@ TEST_F(FitnessRace, WhoIsGivenUpIsAsInTheReference) {
   EXPECT_GT(disagreements(kMargin / 1.3), 0);
 }
 
+// As preset default runs it: each particle in its own overlap with the last view.
+TEST_F(FitnessRace, WithItsOwnOverlapWhoStaysHasTheWholeLossAndNobodyBetterLeaves) {
+  Pose last = swarm_.centre;
+  last.rotate(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()));
+  const LastView view{onDevice(Pose(last.inverse())), onDevice(kOddCamera)};
+  swarm_.loss = Loss::Absolute;
+  swarm_.lengths = (0.14 * swarm_.lengths).cast<float>().cast<double>();
+  FitnessPass pass(device(), templates_, swarm_.loss, true, 1);
+  const auto run = [&](float margin) {
+    swarm_.race_margin = margin;
+    pass.record(run_->recorder, run_->volume, *points_, placement(swarm_), &view);
+    run_->recorder.submit();
+    return std::vector<float>(pass.losses().begin(), pass.losses().end());
+  };
+  const std::vector<float> whole = run(0);
+  const std::vector<std::uint32_t> counted(pass.counted().begin(), pass.counted().end());
+  const std::vector<float> raced = run(kMargin);
+  int given_up = 0;
+  for (int i = 0; i < kParticles; ++i) {
+    const bool left = raced[i] < 0;
+    given_up += left;
+    EXPECT_EQ(pass.counted()[i], left ? 0 : counted[i]) << "particle " << i;
+    if (left)
+      EXPECT_GT(whole[i], whole[0]) << "particle " << i;
+    else
+      EXPECT_NEAR(raced[i], whole[i], 1e-6) << "particle " << i;
+  }
+  EXPECT_GT(given_up, kParticles / 4);
+  EXPECT_LT(given_up, kParticles - kTogether);
+}
+
 TEST_F(Fitness, SlicesGiveNobodyUp) {
   swarm_.loss = Loss::Absolute;
   const auto without = losses(swarm_, 3);
