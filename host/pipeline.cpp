@@ -76,9 +76,8 @@ constexpr int kConfirmations = 2;   // frames after the one that was found again
 // to hold the pose by 4 times refine.least_constraint.
 constexpr double kColourConstraint = 5;
 
-// Up to so many times refine.least_constraint the noise of depths can still carry a pose along:
-// half a metre in ten frames before a door at 0.4 m, at constraints of 0.006 to 0.0014
-// (tests/bench/NOTES.md).
+// Up to so many times refine.least_constraint errors of the model can still carry a pose along, and a wrong
+// place seems to hold it (tests/bench/NOTES.md).
 constexpr double kWeakConstraint = 4;
 
 /// A pose whose depth leaves a direction open is held there by the motion model, and may drift.
@@ -189,7 +188,7 @@ std::optional<PoseFit> Pipeline::believe(const Frame& frame, const TrackResult& 
   std::optional<PoseFit> believed;
   const auto consider = [&](const PoseFit& fit) {
     const Pose& pose = fit.world_from_camera;
-    if (!fit.holds(share, settings_.refine.least_constraint) ||
+    if (!fit.holds(share, kWeakConstraint * settings_.refine.least_constraint) ||
         seen_through_.shareOfAll(frame.depth, pose) > kIntrudingWhenFound * intruding ||
         seen_through_.shareMissing(frame.depth, pose) > intruding)
       return true;

@@ -34,6 +34,13 @@ Eigen::Matrix4d imageFromCamera(const Intrinsics& k) {
   return out;
 }
 
+/// The same for an image that holds every point, far from its border.
+Eigen::Matrix4d allInItsMiddle(const shader::CameraIntrinsics& camera) {
+  Eigen::Matrix4d out = Eigen::Matrix4d::Zero();
+  out.col(3) << 0.5e6 * camera.size.x, 0.5e6 * camera.size.y, 1e6, 1;
+  return out;
+}
+
 /// A symmetric matrix from its upper triangle, row by row.
 template <int kSize>
 Eigen::Matrix<double, kSize, kSize> symmetric(const double* entry) {
@@ -115,7 +122,8 @@ Pose moved(const Pose& pose, const Vector6& step) {
 
 Refiner::Refiner(Device& device, const Settings& settings, const Intrinsics& intrinsics)
     : settings_(settings.refine),
-      weights_{static_cast<float>(settings.refine.huber), toShader(settings.depth)},
+      weights_{static_cast<float>(settings.refine.huber), toShader(settings.depth),
+               static_cast<float>(settings.refine.model_noise)},
       colour_weight_(settings.refine.colour_weight *
                      std::pow(settings.depth.noise_floor / kLuminanceDeviation, 2)),
       camera_(toShader(intrinsics)),
@@ -141,12 +149,12 @@ std::vector<Refiner::Evaluation> Refiner::evaluate(const Volume& volume, std::sp
   std::vector<shader::RefineCandidate> candidates;
   std::vector<shader::RefineColourCandidate> coloured;
   for (const auto& [pose, gain] : places) {
-    const Pose last_from_camera = last_ ? last_->inverse() * pose : Pose::Identity();
-    candidates.push_back(
-        {toShader(pose), toShader(Eigen::Matrix4d(image_from_camera_ * last_from_camera.matrix()))});
+    const Eigen::Matrix4d last_image =
+        last_ ? image_from_camera_ * (last_->inverse() * pose).matrix() : allInItsMiddle(camera_);
+    candidates.push_back({toShader(pose), toShader(last_image)});
     coloured.push_back({toShader(pose), glm::vec4(gain, 0, 0, 0)});
   }
-  refine_.record(recorder_, volume, select_, candidates, {camera_.size.x, camera_.size.y}, weights_);
+  refine_.record(recorder_, volume, select_, candidates, camera_, weights_);
   if (asks_colour_)
     refine_colour_.record(recorder_, volume, *coloured_, select_, camera_, coloured,
                           static_cast<float>(kLuminanceHuber));

@@ -65,6 +65,7 @@ struct RefineSettings {
   int iterations = 15;
   int pixel_stride = 4;
   double huber = 0.02;
+  double model_noise = 0;
   int coarse_pixel_stride = 8;
   double least_constraint = 0.001;
   double motion_preference = 0.05;

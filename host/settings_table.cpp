@@ -168,6 +168,11 @@ std::vector<SettingsField> makeTable() {
       row("refine.pixel_stride", "px", 1, 64, "every so many pixels are looked at",
           R(&RefineSettings::pixel_stride)),
       row("refine.huber", "m", 1e-4, 1, "larger residuals count linearly", R(&RefineSettings::huber)),
+      row("refine.model_noise", "m", 0, 1,
+          "standard deviation of the surface in a voxel that one near depth was fused into; it falls with "
+          "the "
+          "root of what else is fused",
+          R(&RefineSettings::model_noise)),
       row("refine.coarse_pixel_stride", "px", 1, 64, "the same while starts are compared",
           R(&RefineSettings::coarse_pixel_stride)),
       row("refine.least_constraint", "", 0, 1,

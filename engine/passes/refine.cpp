@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numbers>
 
 namespace rosefusion {
 
@@ -10,7 +11,7 @@ using namespace shader;
 RefinePass::RefinePass(Device& device) : device_(device) {}
 
 void RefinePass::record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points,
-                        std::span<const RefineCandidate> candidates, glm::ivec2 last_size,
+                        std::span<const RefineCandidate> candidates, const CameraIntrinsics& last_camera,
                         const RefineWeights& weights) {
   // Parts for all of a CPU's cores, or enough to fill a GPU with a few candidates.
   const std::uint32_t wanted = device_.info().type == DeviceType::Cpu ? 16 : 128;
@@ -26,11 +27,20 @@ void RefinePass::record(Recorder& recorder, const Volume& volume, const SelectPo
   if (!kernel)
     kernel =
         Kernel(device_, volume.reader("refine"), kRefineBindings, sizeof(RefineParams), {volume.chunks()});
-  const RefineParams params{weights.huber, weights.noise.floor, weights.noise.growth, parts_,
-                            glm::ivec4(last_size, 0, 0)};
+  // The eight voxels around a point are up to a cell's diagonal away from it.
+  const float inside = std::max(last_camera.focal_centre.x, last_camera.focal_centre.y) *
+                       std::numbers::sqrt3_v<float> * volume.options().voxel_size;
+  const RefineParams params{weights.huber,
+                            weights.noise.floor,
+                            weights.noise.growth,
+                            parts_,
+                            glm::vec4(last_camera.size.x, last_camera.size.y, inside, 0),
+                            weights.model_noise};
   const Buffer* buffers[kRefineBindings] = {&volume.layoutBuffer(), &volume.table()};
-  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk)
+  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
     buffers[kRefineBindTsdf + chunk] = &volume.tsdf(chunk);
+    buffers[kRefineBindWeight + chunk] = &volume.weight(chunk);
+  }
   buffers[kRefineBindPoints] = &points.points();
   buffers[kRefineBindCount] = &points.count();
   buffers[kRefineBindCandidates] = &candidates_;

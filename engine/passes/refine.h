@@ -11,11 +11,12 @@
 
 namespace rosefusion {
 
-/// A residual weighs (floor / deviation)^2 of the noise, less beyond `huber` (metres), where it counts
-/// linearly.
+/// A residual weighs (floor / deviation)^2 of the depth's noise and the model's together, less beyond `huber`
+/// (metres), where it counts linearly. The model's variance falls with the weight that a voxel gathered.
 struct RefineWeights {
   float huber = 0.02f;
   SensorNoise noise;
+  float model_noise = 0;  ///< of the surface in a voxel of weight 1, metres
 };
 
 /// Sums over the points at one pose, indexed by the kRefine... constants of
@@ -27,10 +28,11 @@ class RefinePass {
   explicit RefinePass(Device& device);
 
   /// At each candidate. Points without a distance (truncated or unobserved voxels beside them) count only in
-  /// the costs, and there only where the last image, of `last_size` pixels, holds them.
+  /// the costs, and there only where the last image, of `last_camera`, holds them with all voxels beside
+  /// them.
   void record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points,
-              std::span<const shader::RefineCandidate> candidates, glm::ivec2 last_size,
-              const RefineWeights& weights);
+              std::span<const shader::RefineCandidate> candidates,
+              const shader::CameraIntrinsics& last_camera, const RefineWeights& weights);
   /// After the submit: one entry per pose, in their order.
   std::vector<RefineSums> sums() const;
 

@@ -1,5 +1,7 @@
 #include "host/loops/loop_closer.h"
 
+#include <utility>
+
 #include "host/frame_fuser.h"
 #include "host/locate.h"
 #include "host/loops/keyframe_map.h"
@@ -13,7 +15,10 @@ namespace {
 constexpr double kAfterAgreement = 1, kAfterNothing = 0.3;
 // Two keyframes, not far apart, must ask for the same correction, to this and a share of it.
 constexpr double kSameShift = 0.03, kSameTurn = 0.02, kSameShare = 0.1;
-constexpr double kPendingFor = 1;        // travelled between the two
+constexpr double kPendingFor = 1;  // travelled between the two
+// A correction this large that is asked for no longer: the tracker has jumped onto the old map by itself.
+// Ties to both sides of the jump hold only where the way between is loose; elsewhere they contradict it.
+constexpr double kJump = 0.1;
 constexpr double kConstraintFactor = 5;  // of refine.least_constraint: what holds a tie in every direction
 
 /// What a measured pose asks for: a transform of the world.
@@ -51,7 +56,6 @@ class KeyframeLoopCloser : public LoopCloser {
     if (!map_.add(pose, fused, firm)) return {};
     store_.add(frame, map_.travelled());
     if (map_.travelled() < next_check_) return {};
-    const std::size_t newest = map_.size() - 1;
     const auto old = map_.candidate([this](std::size_t i) { return store_.has(i); });
     if (!old) return {};
     ++figures_.checks;
@@ -62,21 +66,26 @@ class KeyframeLoopCloser : public LoopCloser {
     }
     const PoseEdge tie = map_.tieOf(*old, *found);
     const Correction correction{*found * pose.inverse(), pose};
-    if (correction.shift() < settings_.loops.tolerance && correction.turn() < settings_.loops.tolerance) {
+    const bool agrees =
+        correction.shift() < settings_.loops.tolerance && correction.turn() < settings_.loops.tolerance;
+    const auto pendingWithin = [&](double most) {
+      return pending_ && map_.travelled() - pending_->travelled < most;
+    };
+    if (agrees) {
       ++figures_.agreements;
-      pending_.reset();
       next_check_ = map_.travelled() + kAfterAgreement;
-      map_.tie(tie);
-      return {};
-    }
-    if (!pending_ || map_.travelled() - pending_->travelled > kPendingFor ||
-        !correction.agreesWith(pending_->correction)) {
+      if (!pendingWithin(settings_.loops.min_travel) || pending_->correction.shift() < kJump) {
+        map_.tie(tie);
+        pending_.reset();
+        return {};
+      }
+    } else if (!pendingWithin(kPendingFor) || !correction.agreesWith(pending_->correction)) {
       pending_ = Pending{correction, tie, map_.travelled()};
       return {};
     }
     map_.tie(pending_->tie);
     map_.tie(tie);
-    pending_.reset();
+    const Correction closed = std::exchange(pending_, {})->correction;
     if (!map_.close()) {
       ++figures_.contradictions;
       next_check_ = map_.travelled() + kAfterAgreement;
@@ -84,8 +93,7 @@ class KeyframeLoopCloser : public LoopCloser {
     }
     ++figures_.closures;
     modelled_.reset();
-    const Correction done{map_.pose(newest) * pose.inverse(), pose};
-    return LoopClosure{store_.timestamp(*old), done.shift(), done.turn()};
+    return LoopClosure{store_.timestamp(*old), closed.shift(), closed.turn()};
   }
 
   void breakOff() override { map_.breakOff(); }

@@ -51,7 +51,7 @@ Candidate candidate(uint particle) {
 }
 
 bool counts(Candidate c, vec3 point) {
-  return !kOverlapPerParticle || inImage(c.image_rotation * point + c.image_translation, overlap.size.xy);
+  return !kOverlapPerParticle || inImage(c.image_rotation * point + c.image_translation, overlap.size.xy, 0.0);
 }
 
 float term(Candidate c, vec3 point) {

@@ -1,14 +1,15 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Normal equations of the distance between the selected points and the model's surface (trilinear TSDF value, smooth
-// gradient) at several candidate poses; robust and weighted by the sensor's noise. One workgroup per candidate and part of the
-// points; all sums compensated.
+// gradient) at several candidate poses; robust and weighted by the noise of sensor and model. One workgroup per candidate and
+// part of the points; all sums compensated.
 #include "shaders/compute/interface/refine.h"
 
 #define VOLUME_ACCESS readonly
 #define VOLUME_LAYOUT kRefineBindLayout
 #define VOLUME_TABLE kRefineBindTable
 #define VOLUME_TSDF kRefineBindTsdf
+#define VOLUME_WEIGHT kRefineBindWeight
 #include "shaders/compute/lib/compensated_sum.glsl"
 #include "shaders/compute/lib/depth_noise.glsl"
 #include "shaders/compute/lib/in_image.glsl"
@@ -37,6 +38,11 @@ bool insideTruncation(Cell c) {
   return max(max(most.x, most.y), max(most.z, most.w)) < kTruncated;
 }
 
+float modelWeight(vec3 position) {
+  ivec3 voxel = ivec3(position);
+  return max(weightInBlock(slotAt(voxel >> 3), localIndex(voxel)), 1.0 / kWeightOne);
+}
+
 void main() {
   uint lane = gl_LocalInvocationID.x, part = gl_WorkGroupID.x, candidate = gl_WorkGroupID.y;
   mat3 turn = mat3(candidates[candidate].world_from_camera);
@@ -53,16 +59,17 @@ void main() {
   for (uint i = begin + lane; i < end; i += kRefineGroup) {
     vec3 p = points[i].xyz;
     vec3 arm = turn * p;
-    float weight = depthWeight(params.noise_floor, params.noise_growth, p.z);
-    // Poses are told apart by how much of the image they explain: in the cost, noise matters only beyond huber.
-    float noise = depthNoise(params.noise_floor, params.noise_growth, p.z) / params.huber;
-    float cost_weight = 1.0 / (1.0 + noise * noise);
+    float noise = depthNoise(params.noise_floor, params.noise_growth, p.z), variance = noise * noise;
     // Outside the table the border blocks are read, which hold no distance.
     vec3 position = clamp(arm * volume.scale.y + shift, vec3(2.0), last);
     bool usable = insideTruncation(cellAt(position));
+    if (usable) variance += params.model_noise * params.model_noise / modelWeight(position);
+    // Poses are told apart by how much of the image they explain: in the cost, noise matters only beyond huber.
+    float cost_weight = 1.0 / (1.0 + variance / (params.huber * params.huber));
+    float weight = params.noise_floor * params.noise_floor / variance;
     Neighbourhood near = neighbourhoodOf(position);
     float residual = near.value * truncation;
-    if (!usable && !inImage((last_image * vec4(p, 1.0)).xyz, params.last_size.xy)) continue;
+    if (!usable && !inImage((last_image * vec4(p, 1.0)).xyz, ivec2(params.last_image.xy), params.last_image.z)) continue;
     add(sum[kRefineMostCost], cost_weight * most);
     add(sum[kRefineCost], cost_weight * (usable ? robust(residual) : most));
     if (!usable) continue;

@@ -17,8 +17,10 @@ constexpr int kFrames = 3;
 // test much.
 constexpr double kWideShare = 0.1;
 // Float values, so that both sides weigh by the same numbers.
-const reference::RefineModel kSensor{
-    .truncation = kVolume.truncation, .huber = 0.02f, .noise = {.floor = 0.005f, .growth = 0.0019f}};
+const reference::RefineModel kSensor{.truncation = kVolume.truncation,
+                                     .huber = 0.02f,
+                                     .noise = {.floor = 0.005f, .growth = 0.0019f},
+                                     .model_noise = 0.016f};
 
 class Refine : public ValidatingDevice, public ::testing::WithParamInterface<Intrinsics> {
  protected:
@@ -64,8 +66,9 @@ class Refine : public ValidatingDevice, public ::testing::WithParamInterface<Int
     for (const Pose& pose : poses)
       candidates.push_back({onDevice(pose), image * onDevice(Pose(model_.last_from_world * pose))});
     pass_.emplace(device());
-    pass_->record(run.recorder, run.volume, *points_, candidates, {k.width, k.height},
-                  {static_cast<float>(model_.huber), onDevice(model_.noise)});
+    pass_->record(
+        run.recorder, run.volume, *points_, candidates, onDevice(k),
+        {static_cast<float>(model_.huber), onDevice(model_.noise), static_cast<float>(model_.model_noise)});
     run.recorder.submit();
     return pass_->sums();
   }
@@ -73,10 +76,11 @@ class Refine : public ValidatingDevice, public ::testing::WithParamInterface<Int
                                     const reference::RefineModel& model,
                                     double voxel_size = kVolume.voxel_size) const {
     const reference::VoxelValues values(reference_contents_.blocks, reference_contents_.tsdf, voxel_size);
+    const reference::VoxelValues weights(reference_contents_.blocks, reference_contents_.weight, voxel_size);
     std::vector<reference::SumRange> expected;
     std::vector<double> flat;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
-      const auto ranges = refineSums(values, reference_points_, poses_[i], model);
+      const auto ranges = refineSums(values, weights, reference_points_, poses_[i], model);
       expected.insert(expected.end(), ranges.begin(), ranges.end());
       flat.insert(flat.end(), measured[i].begin(), measured[i].end());
     }
@@ -125,6 +129,7 @@ TEST_P(Refine, ComparisonSeesAWrongCoefficient) {
   EXPECT_TRUE(differs(wrong([](auto& m) { m.noise.floor *= 1.01; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.noise.growth *= 1.01; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.noise.growth = 0; })));
+  EXPECT_TRUE(differs(wrong([](auto& m) { m.model_noise *= 1.01; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.turn_sense = -1; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.last_camera.cx += 3; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.last_camera.width = 100 * m.last_camera.width; })));

@@ -68,7 +68,7 @@ const std::map<std::string, ShaderStruct>& structsInCpp() {
              MEMBER(PreprocessParams, pad0), MEMBER(PreprocessParams, pad1)),
       STRUCT(RefineParams, MEMBER(RefineParams, huber), MEMBER(RefineParams, noise_floor),
              MEMBER(RefineParams, noise_growth), MEMBER(RefineParams, parts),
-             MEMBER(RefineParams, last_size)),
+             MEMBER(RefineParams, last_image), MEMBER(RefineParams, model_noise)),
       STRUCT(RefineCandidate, MEMBER(RefineCandidate, world_from_camera),
              MEMBER(RefineCandidate, last_image_from_camera)),
       STRUCT(RefineColourParams, MEMBER(RefineColourParams, focal_centre), MEMBER(RefineColourParams, size),

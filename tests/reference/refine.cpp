@@ -76,22 +76,26 @@ double robust(double distance, double huber) {
   return a < huber ? a * a / 2 : huber * a - huber * huber / 2;
 }
 
-bool heldBy(const Intrinsics& k, const Eigen::Vector3d& point) {
+/// Whether the image holds all that is up to `around` (metres) beside the point.
+bool heldBy(const Intrinsics& k, const Eigen::Vector3d& point, double around) {
   if (point.z() <= 0) return false;
   const double u = k.fx * point.x() / point.z() + k.cx, v = k.fy * point.y() / point.z() + k.cy;
-  return u >= -0.5 && v >= -0.5 && u < k.width - 0.5 && v < k.height - 0.5;
+  const double border = std::max(k.fx, k.fy) * around / point.z() - 0.5;
+  return u >= border && v >= border && u < k.width - 1 - border && v < k.height - 1 - border;
 }
 
 /// What a point adds to the sums when it reads the volume at `position` (voxels); `arm`: from the camera's
 /// centre, in world axes; `held_by_last`: whether the last image holds it; `size`: bounds on the terms, from
 /// the lengths of their factors.
-Sums terms(const VoxelValues& values, const Eigen::Vector3d& position, const Eigen::Vector3d& arm, double z,
-           bool held_by_last, const RefineModel& model, Sums* size) {
+Sums terms(const VoxelValues& values, const VoxelValues& weights, const Eigen::Vector3d& position,
+           const Eigen::Vector3d& arm, double z, bool held_by_last, const RefineModel& model, Sums* size) {
   Sums out = Sums::Zero(), bound = Sums::Zero();
-  const double noise = model.noise.deviation(z);
-  const double cost_weight = model.huber * model.huber / (model.huber * model.huber + noise * noise);
-  out[28] = cost_weight * robust(model.truncation, model.huber);
   const Reading reading = interpolate(values, position);
+  double variance = std::pow(model.noise.deviation(z), 2);
+  if (reading.usable)
+    variance += std::pow(model.model_noise, 2) / weights.at(position.array().floor().cast<int>());
+  const double cost_weight = model.huber * model.huber / (model.huber * model.huber + variance);
+  out[28] = cost_weight * robust(model.truncation, model.huber);
   if (!reading.usable) {
     if (!held_by_last) out[28] = 0;
     out[27] = out[28];
@@ -105,7 +109,7 @@ Sums terms(const VoxelValues& values, const Eigen::Vector3d& position, const Eig
     jacobian << slope, model.turn_sense * arm.cross(slope);
     length.head<3>().setConstant(slope.norm());
     length.tail<3>().setConstant(slope.norm() * arm.norm());
-    double weight = model.noise.weight(z);
+    double weight = std::pow(model.noise.floor, 2) / variance;
     if (std::abs(residual) > model.huber) weight *= model.huber / std::abs(residual);
     int entry = 0;
     for (int row = 0; row < 6; ++row)
@@ -127,22 +131,26 @@ Sums terms(const VoxelValues& values, const Eigen::Vector3d& position, const Eig
 
 }  // namespace
 
-std::vector<SumRange> refineSums(const VoxelValues& values, std::span<const Eigen::Vector3d> points,
-                                 const Pose& world_from_camera, const RefineModel& model) {
+std::vector<SumRange> refineSums(const VoxelValues& values, const VoxelValues& weights,
+                                 std::span<const Eigen::Vector3d> points, const Pose& world_from_camera,
+                                 const RefineModel& model) {
   std::vector<SumRange> sums(kRefineSums);
+  const auto holds = [&](const Eigen::Vector3d& seen) {
+    return heldBy(model.last_camera, seen, std::sqrt(3.0) * values.voxelSize());
+  };
   for (const Eigen::Vector3d& point : points) {
     const Eigen::Vector3d arm = world_from_camera.linear() * point;
     const Eigen::Vector3d position = (arm + world_from_camera.translation()) / values.voxelSize();
     const Eigen::Vector3d seen = model.last_from_world * (arm + world_from_camera.translation());
     Sums size;
-    Sums low = terms(values, position, arm, point.z(), heldBy(model.last_camera, seen), model, &size),
-         high = low;
+    Sums low = terms(values, weights, position, arm, point.z(), holds(seen), model, &size), high = low;
     // The terms are smooth within a cell, so the corners of what rounding can reach hold their extremes, and
     // they lie in every cell that it can reach.
     for (int i = 0; i < 8; ++i) {
       const Eigen::Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
-      const bool held = heldBy(model.last_camera, seen + kSeenError * seen.norm() * sign);
-      const Sums at = terms(values, position + kVoxelError * sign, arm, point.z(), held, model, nullptr);
+      const bool held = holds(seen + kSeenError * seen.norm() * sign);
+      const Sums at =
+          terms(values, weights, position + kVoxelError * sign, arm, point.z(), held, model, nullptr);
       low = low.cwiseMin(at);
       high = high.cwiseMax(at);
     }

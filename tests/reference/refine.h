@@ -12,7 +12,8 @@ struct RefineModel {
   double truncation = 0.12;  ///< metres, what a TSDF value of 1 stands for
   double huber = 0.02;       ///< metres
   DepthNoise noise;
-  double turn_sense = 1;  ///< of the turns' derivatives; -1 only to be wrong
+  double model_noise = 0;  ///< metres, of the surface in a voxel of weight 1
+  double turn_sense = 1;   ///< of the turns' derivatives; -1 only to be wrong
   Pose last_from_world = Pose::Identity();
   Intrinsics last_camera;
 };
@@ -31,8 +32,10 @@ struct SumRange {
 /// them are nearer than huber. Unknowns: shift in the world, turn about the camera's centre.
 constexpr int kRefineSums = 32;
 
-std::vector<SumRange> refineSums(const VoxelValues& values, std::span<const Eigen::Vector3d> points,
-                                 const Pose& world_from_camera, const RefineModel& model);
+/// `weights`: what each voxel of `values` gathered.
+std::vector<SumRange> refineSums(const VoxelValues& values, const VoxelValues& weights,
+                                 std::span<const Eigen::Vector3d> points, const Pose& world_from_camera,
+                                 const RefineModel& model);
 
 /// Counts as skipped the sums whose range is so wide that they test little. `per_pose`: how many sums a pose
 /// has.

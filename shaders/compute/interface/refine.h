@@ -15,7 +15,8 @@ const uint kRefineBindPoints = 6u;
 const uint kRefineBindCount = 7u;
 const uint kRefineBindCandidates = 8u;  // RefineCandidate
 const uint kRefineBindSums = 9u;        // kRefineSums floats per candidate and part
-const uint kRefineBindings = 10u;
+const uint kRefineBindWeight = 10u;     // kMaxPoolChunks bindings
+const uint kRefineBindings = 14u;
 
 // What is summed over the points, in this order. The unknowns are (x, y, z, wx, wy, wz): a shift of the
 // camera in the world and a small turn about the camera's centre, applied on the left.
@@ -41,7 +42,8 @@ struct RefineParams {
   float noise_floor;  // see lib/depth_noise.glsl
   float noise_growth;
   uint parts;
-  ivec4 last_size;  // of the last image, pixels; z, w: unused
+  vec4 last_image;    // width, height; z: u z by which a point must lie inside it for its voxels to do so too
+  float model_noise;  // of the surface in a voxel of weight 1, metres
 };
 
 #ifdef __cplusplus
