@@ -169,9 +169,7 @@ std::vector<SettingsField> makeTable() {
           R(&RefineSettings::pixel_stride)),
       row("refine.huber", "m", 1e-4, 1, "larger residuals count linearly", R(&RefineSettings::huber)),
       row("refine.model_noise", "m", 0, 1,
-          "standard deviation of the surface in a voxel that one near depth was fused into; it falls with "
-          "the "
-          "root of what else is fused",
+          "standard deviation of the surface in a voxel of weight 1 (one near depth), / sqrt(weight)",
           R(&RefineSettings::model_noise)),
       row("refine.coarse_pixel_stride", "px", 1, 64, "the same while starts are compared",
           R(&RefineSettings::coarse_pixel_stride)),

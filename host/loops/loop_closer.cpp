@@ -96,7 +96,10 @@ class KeyframeLoopCloser : public LoopCloser {
     return LoopClosure{store_.timestamp(*old), closed.shift(), closed.turn()};
   }
 
-  void breakOff() override { map_.breakOff(); }
+  void breakOff() override {
+    map_.breakOff();
+    pending_.reset();  // no way from there is left that could contradict it
+  }
 
   bool finish() override {
     if (figures_.closures == 0) return false;

@@ -21,16 +21,14 @@ class LoopClosing : public ValidatingDevice {
     nlohmann::ordered_json report;
     std::uint32_t blocks = 0;
   };
-  static Walk walk(bool loops, double model_noise = 0.01) {
+  static Walk walk(const Settings& settings) {
     MemorySequence sequence(ringFrames(), kRingCamera, kRingUnits);
     SequenceSource source(sequence, {});
-    Settings settings = ringSettings(loops);
-    settings.refine.model_noise = model_noise;
     Pipeline pipeline(device(), settings, kRingCamera, kRingUnits);
     Walk out;
     out.summary = reconstruct(source, pipeline, 0, [&](const RunProgress& p) {
       // Between walls that are there twice the camera may say that it is lost.
-      if (loops) {
+      if (settings.loops.enabled) {
         EXPECT_NE(p.last->result.status, TrackingStatus::Lost) << p.done << ": " << p.last->result.reason;
       }
       out.live.push_back(p.last->result.world_from_camera);
@@ -77,7 +75,7 @@ void expectTold(const RunSummary& summary, const nlohmann::ordered_json& report)
 
 // One case, because the walks are what takes time.
 TEST_F(LoopClosing, TakesOutTheDriftThatStaysWithoutIt) {
-  const Walk open = walk(false), closed = walk(true);
+  const Walk open = walk(ringSettings(false)), closed = walk(ringSettings(true));
   std::size_t first = 0;
   while (first < kRingFrames && !closed.summary.frames[first].result.loop) {
     ASSERT_EQ(closed.live[first].matrix(), open.live[first].matrix())
@@ -102,8 +100,12 @@ TEST_F(LoopClosing, TakesOutTheDriftThatStaysWithoutIt) {
 // Where what was seen long ago weighs more, the tracker leaves the new wall for the old one before two
 // keyframes have asked for it.
 TEST_F(LoopClosing, AJumpOntoTheOldMapBendsTheWayThatLedThere) {
-  constexpr double kTrustsTheOld = 0.016;
-  const Walk open = walk(false, kTrustsTheOld), closed = walk(true, kTrustsTheOld);
+  const auto settings = [](bool loops) {
+    Settings out = ringSettings(loops);
+    out.refine.model_noise = 0.016;
+    return out;
+  };
+  const Walk open = walk(settings(false)), closed = walk(settings(true));
   const auto loop = std::find_if(closed.summary.frames.begin(), closed.summary.frames.end(),
                                  [](const RunFrame& f) { return f.result.loop.has_value(); });
   ASSERT_NE(loop, closed.summary.frames.end());
