@@ -10,6 +10,8 @@ namespace {
 
 using Property = vk::MemoryPropertyFlagBits;
 
+constexpr std::uint64_t kSmallUpload = 1 << 16;  // bytes
+
 /// First memory type that has all of `wanted`, else of `needed`; -1 when there is none.
 int memoryType(const vk::PhysicalDeviceMemoryProperties& memory, std::uint32_t allowed,
                vk::MemoryPropertyFlags needed, vk::MemoryPropertyFlags wanted) {
@@ -44,11 +46,14 @@ Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Im
                      device.allocator};
     const auto requirements = impl_->buffer.getMemoryRequirements();
     const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
+    // Parameters that every invocation reads belong beside the processors; images cross once anyway.
+    const bool small = bytes <= kSmallUpload;
     const int type =
         memory == Memory::Device
             ? memoryType(device.memory, requirements.memoryTypeBits, {}, Property::eDeviceLocal)
         : memory == Memory::Upload
-            ? memoryType(device.memory, requirements.memoryTypeBits, host, {})
+            ? memoryType(device.memory, requirements.memoryTypeBits, host,
+                         small ? Property::eDeviceLocal : vk::MemoryPropertyFlags())
             : memoryType(device.memory, requirements.memoryTypeBits, host, Property::eHostCached);
     if (type < 0)
       throw DeviceError(DeviceErrorCode::MissingLimit, device.info.name + " has no memory type for buffers.");

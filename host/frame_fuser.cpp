@@ -4,21 +4,6 @@
 #include "host/shader_types.h"
 
 namespace rosefusion {
-namespace {
-
-std::vector<std::uint32_t> packColour(const cv::Mat& bgr) {
-  std::vector<std::uint32_t> rgb;
-  rgb.reserve(bgr.total());
-  for (int row = 0; row < bgr.rows; ++row)
-    for (int column = 0; column < bgr.cols; ++column) {
-      const auto& p = bgr.at<cv::Vec3b>(row, column);
-      rgb.push_back(p[2] | p[1] << 8 | p[0] << 16);
-    }
-  return rgb;
-}
-
-}  // namespace
-
 FrameFuser::FrameFuser(Device& device, const Settings& settings, const Intrinsics& intrinsics,
                        double depth_units_per_metre)
     : settings_(settings),
@@ -35,6 +20,17 @@ void FrameFuser::recordDepth(Recorder& recorder, const Depth& depth) {
                      static_cast<float>(settings_.depth.edge_sigmas), toShader(settings_.depth));
 }
 
+std::span<const std::uint32_t> FrameFuser::wordsOf(const cv::Mat& bgr) {
+  words_.resize(bgr.total());
+  std::uint32_t* word = words_.data();
+  for (int row = 0; row < bgr.rows; ++row) {
+    const std::uint8_t* p = bgr.ptr(row);
+    for (int column = 0; column < bgr.cols; ++column, p += 3)
+      *word++ = std::uint32_t(p[2]) | std::uint32_t(p[1]) << 8 | std::uint32_t(p[0]) << 16;
+  }
+  return words_;
+}
+
 void FrameFuser::recordFrame(Recorder& recorder, const DevicePixels& depth) {
   recordDepth(recorder, depth);
   preprocess_.clearColour();
@@ -47,7 +43,7 @@ void FrameFuser::recordFrame(Recorder& recorder, const Frame& frame) {
                      std::to_string(intrinsics_.height) + " pixels, as the camera was described.");
   recordDepth(recorder, std::span<const std::uint16_t>(depth.ptr<std::uint16_t>(), depth.total()));
   if (settings_.volume.colour && frame.colour.size() == depth.size() && frame.colour.type() == CV_8UC3)
-    preprocess_.setColour(packColour(frame.colour));
+    preprocess_.setColour(wordsOf(frame.colour));
   else
     preprocess_.clearColour();
 }

@@ -35,10 +35,12 @@ class FrameFuser {
  private:
   template <typename Depth>
   void recordDepth(Recorder& recorder, const Depth& depth);
+  std::span<const std::uint32_t> wordsOf(const cv::Mat& bgr);
 
   Settings settings_;
   Intrinsics intrinsics_;
   double depth_units_per_metre_;
+  std::vector<std::uint32_t> words_;  ///< the last colour image, as the device takes it
   PreprocessPass preprocess_;
   AllocatePass allocate_;
   IntegratePass integrate_;

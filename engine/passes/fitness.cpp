@@ -13,8 +13,9 @@ using namespace shader;
 
 // A wide GPU needs about this many invocations in flight, a CPU just its cores' vector lanes: there one
 // invocation walks all the points of a particle, which keeps the compensated sum in registers.
-constexpr std::uint32_t kWideInvocations = 1u << 18;
-constexpr std::uint32_t kMaxSlices = 64;
+// An H100 is fastest with 32 to 48 thousand: more spend their time on the particles' poses.
+constexpr std::uint32_t kWideInvocations = 40u << 10;
+constexpr std::uint32_t kMaxSlices = 128;
 
 std::uint32_t slicesFor(const DeviceInfo& device, std::uint32_t particles) {
   if (device.type == DeviceType::Cpu) return 1;
@@ -45,6 +46,7 @@ void FitnessPass::setTemplates(std::span<const glm::vec4> templates) {
 }
 
 std::uint64_t FitnessPass::lookups() const {
+  if (!raced_) return std::uint64_t(particles_) * points_->selected();
   const auto walked = walked_.as<std::uint32_t>().first(particles_);
   return std::accumulate(walked.begin(), walked.end(), std::uint64_t(0));
 }
@@ -54,6 +56,7 @@ void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectP
   if (32ull * (swarm.first_particle + swarm.particles) > templates_.bytes())
     throw DeviceError(DeviceErrorCode::Programming, "The swarm reaches past the templates on the device.");
   particles_ = swarm.particles;
+  points_ = &points;
   const std::uint32_t slices = std::max((points.cells() + kLongestLoop - 1) / kLongestLoop,
                                         slices_ ? slices_ : slicesFor(device_.info(), swarm.particles));
   if (partial_.bytes() < 16ull * slices * swarm.particles)
@@ -72,12 +75,12 @@ void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectP
   }
 
   // One slice cannot give a particle up for the others: their sums would stand for different points.
-  const bool race = swarm.race_margin > 0 && slices == 1;
-  Kernel& kernel = kernels_[{volume.chunks(), last_view != nullptr, race}];
+  raced_ = swarm.race_margin > 0 && slices == 1;
+  Kernel& kernel = kernels_[{volume.chunks(), last_view != nullptr, raced_}];
   if (!kernel)
-    kernel =
-        Kernel(device_, volume.reader("fitness"), kFitnessBindings, sizeof(FitnessParams),
-               {volume.chunks(), static_cast<std::uint32_t>(loss_), compensate_, last_view != nullptr, race});
+    kernel = Kernel(
+        device_, volume.reader("fitness"), kFitnessBindings, sizeof(FitnessParams),
+        {volume.chunks(), static_cast<std::uint32_t>(loss_), compensate_, last_view != nullptr, raced_});
   const FitnessParams params{swarm.world_from_camera, swarm.translation_lengths, swarm.rotation_lengths,
                              swarm.particles,         swarm.first_particle,      slices,
                              swarm.race_margin};

@@ -9,8 +9,9 @@ using namespace shader;
 SelectPointsPass::SelectPointsPass(Device& device, const CameraIntrinsics& camera)
     : device_(device),
       camera_(camera),
-      kernel_(device, shaderCode("select_points"), 3, sizeof(SelectParams)),
-      count_(device, 8, Memory::Readback) {}
+      kernel_(device, shaderCode("select_points"), 4, sizeof(SelectParams)),
+      count_(device, 8, Memory::Device),
+      told_(device, 8, Memory::Readback) {}
 
 void SelectPointsPass::record(Recorder& recorder, const PreprocessPass& frame, const PixelGrid& grid,
                               const glm::mat4* previous_from_current) {
@@ -27,7 +28,7 @@ void SelectPointsPass::record(Recorder& recorder, const PreprocessPass& frame, c
   params.focal_centre = camera_.focal_centre;
   params.size = glm::ivec4(camera_.size.x, camera_.size.y, grid.stride, previous_from_current != nullptr);
   params.grid = glm::ivec4(grid.offset_x, grid.offset_y, columns, rows);
-  recorder.dispatch(kernel_, {&frame.points(), &selected_, &count_}, params, {kSelectGroup});
+  recorder.dispatch(kernel_, {&frame.points(), &selected_, &count_, &told_}, params, {kSelectGroup});
 }
 
 }  // namespace rosefusion

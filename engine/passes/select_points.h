@@ -27,14 +27,14 @@ class SelectPointsPass {
   /// Pixels of the recorded grid: the most that can be selected, known before the submit.
   std::uint32_t cells() const { return cells_; }
   /// After the submit: points selected, and valid pixels of the grid.
-  std::uint32_t selected() const { return count_.as<std::uint32_t>()[0]; }
-  std::uint32_t valid() const { return count_.as<std::uint32_t>()[1]; }
+  std::uint32_t selected() const { return told_.as<std::uint32_t>()[0]; }
+  std::uint32_t valid() const { return told_.as<std::uint32_t>()[1]; }
 
  private:
   Device& device_;
   shader::CameraIntrinsics camera_;
   Kernel kernel_;
-  Buffer selected_, count_;
+  Buffer selected_, count_, told_;
   std::uint32_t cells_ = 0;
 };
 

@@ -17,6 +17,17 @@ Eigen::Vector4d unitQuaternion(Eigen::Vector3d v) {
   return q;
 }
 
+bool isCounted(const SwarmSettings& settings, std::span<const float> losses,
+               std::span<const uint32_t> pixel_counts, size_t i) {
+  if (!(losses[i] >= 0)) return false;  // NaN too
+  return pixel_counts.empty() || i == 0 ||
+         pixel_counts[i] > settings.minimum_counted_share * static_cast<double>(pixel_counts[0]);
+}
+
+double fitnessOf(const SwarmSettings& settings, double loss) {
+  return settings.loss == FitnessLoss::kSquared ? std::exp(-loss / settings.tau) : 1 - loss;
+}
+
 // The advantage set's weighted mean [eq. ebs] and its approximated fitness [eq. wafit].
 struct AdvantageMean {
   int count = 0;
@@ -32,16 +43,18 @@ AdvantageMean averageAdvantage(const SwarmSettings& settings, const SwarmState& 
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
   Eigen::Vector4d quaternion = Eigen::Vector4d::Zero();
   for (size_t i = 1; i < swarm_template.particles.size(); ++i) {
-    const std::optional<double> score = particleFitness(settings, losses, pixel_counts, i);
-    if (!score || !(*score > reference)) continue;
-    const double weight = *score - reference;
+    // Most particles are worse, which their loss tells without its fitness.
+    if (!(losses[i] < losses[0]) || !isCounted(settings, losses, pixel_counts, i)) continue;
+    const double score = fitnessOf(settings, losses[i]);
+    if (!(score > reference)) continue;
+    const double weight = score - reference;
     const Vector6 particle = scaledParticle(swarm_template, i, state.axis_lengths);
     weight_sum += weight;
     translation += weight * particle.head<3>();
     // Whole quaternions are averaged: the result then does not depend on the frame they are expressed in, so
     // that averaging moves is the same as averaging poses.
     quaternion += weight * unitQuaternion(particle.tail<3>());
-    mean.likelihood += weight * *score;
+    mean.likelihood += weight * score;
     if (++mean.count == settings.max_advantage_particles) break;
   }
   if (mean.count == 0) return mean;
@@ -90,12 +103,8 @@ std::string_view describe(StopReason reason) {
 
 std::optional<double> particleFitness(const SwarmSettings& settings, std::span<const float> losses,
                                       std::span<const uint32_t> pixel_counts, size_t i) {
-  const double loss = losses[i];
-  if (!(loss >= 0)) return std::nullopt;  // NaN too
-  if (!pixel_counts.empty() && i > 0 &&
-      pixel_counts[i] <= settings.minimum_counted_share * static_cast<double>(pixel_counts[0]))
-    return std::nullopt;
-  return settings.loss == FitnessLoss::kSquared ? std::exp(-loss / settings.tau) : 1 - loss;
+  if (!isCounted(settings, losses, pixel_counts, i)) return std::nullopt;
+  return fitnessOf(settings, losses[i]);
 }
 
 SwarmState beginFrame(const SwarmSettings& settings, const Pose& start, const SwarmState* previous_frame) {
@@ -140,11 +149,10 @@ SwarmStep update(const SwarmSettings& settings, SwarmState& state, const SwarmTe
     throw std::invalid_argument("swarm update: one loss (and pixel count) per particle is needed");
   if (state.stopped()) throw std::invalid_argument("swarm update: the search has stopped");
 
-  const auto score = [&](size_t i) { return particleFitness(settings, losses, pixel_counts, i); };
-  const std::optional<double> reference = score(0);
+  const std::optional<double> reference = particleFitness(settings, losses, pixel_counts, 0);
   SwarmStep step;
   step.level = state.level;
-  for (size_t i = 0; i < losses.size(); ++i) step.counted += score(i).has_value();
+  for (size_t i = 0; i < losses.size(); ++i) step.counted += isCounted(settings, losses, pixel_counts, i);
 
   AdvantageMean mean;
   if (reference) mean = averageAdvantage(settings, state, swarm_template, losses, pixel_counts, *reference);

@@ -9,9 +9,11 @@ layout(push_constant) uniform Push { SelectParams params; };
 layout(std430, binding = kSelectBindPoints) readonly restrict buffer Points { vec4 points[]; };
 layout(std430, binding = kSelectBindSelected) writeonly restrict buffer Selected { vec4 selected[]; };
 layout(std430, binding = kSelectBindCount) writeonly restrict buffer Count { uint count[]; };
+layout(std430, binding = kSelectBindTold) writeonly restrict buffer Told { uint told[]; };
 
-shared uint s_selected[kSelectGroup];
-shared uint s_valid[kSelectGroup];
+shared uvec2 s_before[kSelectGroup];  // selected and valid cells of the lanes up to this one
+
+const uint kAtOnce = 4u;  // loads that are under way together
 
 vec4 gridPoint(uint cell) {
   ivec2 at = ivec2(cell % uint(params.grid.z), cell / uint(params.grid.z)) * params.size.z + params.grid.xy;
@@ -31,25 +33,31 @@ void main() {
   uint cells = uint(params.grid.z * params.grid.w);
   uint share = (cells + kSelectGroup - 1u) / kSelectGroup;
   uint begin = min(lane * share, cells), end = min(begin + share, cells);
-  uint mine = 0u, valid = 0u;
-  for (uint cell = begin; cell < end; ++cell) {
-    vec4 p = gridPoint(cell);
-    if (p.w > 0.0) ++valid;
-    if (wanted(p)) ++mine;
+  uvec2 mine = uvec2(0u);
+  for (uint cell = begin; cell < end; cell += kAtOnce) {
+    vec4 p[kAtOnce];
+    for (uint k = 0u; k < kAtOnce; ++k) p[k] = gridPoint(min(cell + k, end - 1u));
+    for (uint k = 0u; k < kAtOnce; ++k)
+      if (cell + k < end) mine += uvec2(wanted(p[k]), p[k].w > 0.0);
   }
-  s_selected[lane] = mine;
-  s_valid[lane] = valid;
-  barrier();
-  uint place = 0u;
-  for (uint i = 0u; i < lane; ++i) place += s_selected[i];
+  s_before[lane] = mine;
+  for (uint reach = 1u; reach < kSelectGroup; reach *= 2u) {
+    barrier();
+    uvec2 left = lane >= reach ? s_before[lane - reach] : uvec2(0u);
+    barrier();
+    s_before[lane] += left;
+  }
   if (lane == kSelectGroup - 1u) {
-    uint total_valid = 0u;
-    for (uint i = 0u; i < kSelectGroup; ++i) total_valid += s_valid[i];
-    count[0] = place + mine;
-    count[1] = total_valid;
+    for (uint k = 0u; k < 2u; ++k) {
+      count[k] = s_before[lane][k];
+      told[k] = s_before[lane][k];
+    }
   }
-  for (uint cell = begin; cell < end; ++cell) {
-    vec4 p = gridPoint(cell);
-    if (wanted(p)) selected[place++] = p;
+  uint place = s_before[lane].x - mine.x;
+  for (uint cell = begin; cell < end; cell += kAtOnce) {
+    vec4 p[kAtOnce];
+    for (uint k = 0u; k < kAtOnce; ++k) p[k] = gridPoint(min(cell + k, end - 1u));
+    for (uint k = 0u; k < kAtOnce; ++k)
+      if (cell + k < end && wanted(p[k])) selected[place++] = p[k];
   }
 }

@@ -11,6 +11,7 @@ const uint kSelectGroup =
 const uint kSelectBindPoints = 0u;
 const uint kSelectBindSelected = 1u;  // vec4 camera-frame points, compacted
 const uint kSelectBindCount = 2u;     // [0]: points selected, [1]: valid grid pixels
+const uint kSelectBindTold = 3u;      // the same where the host reads it, which is far from the device's own
 
 struct SelectParams {
   mat4 previous_from_current;  // the last frame's camera from this one's, at the current best pose
