@@ -237,7 +237,7 @@ void Volume::clear() {
 }
 
 void Volume::visibleBlocks(const glm::mat4& camera_from_world, glm::vec4 focal_centre, glm::ivec4 size,
-                           float far, std::vector<std::uint32_t>& slots) const {
+                           float far, const DepthReach& reach, std::vector<std::uint32_t>& slots) const {
   const float side = kBlockSide * options_.voxel_size;
   const float radius = side * 0.8661f;  // half the diagonal
   const glm::mat3 rotation(camera_from_world);
@@ -256,7 +256,8 @@ void Volume::visibleBlocks(const glm::mat4& camera_from_world, glm::vec4 focal_c
     const glm::vec3 centre = rotation * ((glm::vec3(blocks_[slot]) + 0.5f) * side) + translation;
     if (centre.z < -radius || centre.z > far + radius) continue;
     if (std::all_of(planes.begin(), planes.end(),
-                    [&](const glm::vec3& n) { return glm::dot(n, centre) > -radius; }))
+                    [&](const glm::vec3& n) { return glm::dot(n, centre) > -radius; }) &&
+        !reach.hides(centre, radius, options_.truncation, focal_centre, size))
       slots.push_back(slot);
   }
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/buffer.h"
+#include "engine/depth_reach.h"
 #include "engine/recorder.h"
 #include "engine/shader_code.h"
 #include "shaders/compute/interface/volume.h"
@@ -89,9 +90,10 @@ class Volume : public VolumeView {
   void clearRequests();
   /// Forgets all blocks; the pools stay. Views of it read what is fused next.
   void clear();
-  /// Slots whose block may be seen by the camera: in front of it, inside its image, nearer than `far`.
+  /// Slots whose block may be seen by the camera: in front of it, inside its image, nearer than `far`, and
+  /// not farther behind the surfaces of the image with this `reach` than the truncation.
   void visibleBlocks(const glm::mat4& camera_from_world, glm::vec4 focal_centre, glm::ivec4 size, float far,
-                     std::vector<std::uint32_t>& slots) const;
+                     const DepthReach& reach, std::vector<std::uint32_t>& slots) const;
   VolumeContents download();
   /// A second page table, in which AllocatePass may mark: others may read table() meanwhile.
   const Buffer& requestTable() const { return request_table_; }

@@ -11,7 +11,7 @@ IntegratePass::IntegratePass(Device& device) : device_(device) {}
 void IntegratePass::record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
                            const CameraIntrinsics& camera, const glm::mat4& camera_from_world, float far,
                            const SensorNoise& noise) {
-  volume.visibleBlocks(camera_from_world, camera.focal_centre, camera.size, far, slots_);
+  volume.visibleBlocks(camera_from_world, camera.focal_centre, camera.size, far, frame.reach(), slots_);
   if (slots_.empty()) return;
   const std::uint64_t bytes = 4 * slots_.size();
   if (visible_.bytes() < bytes) visible_ = Buffer(device_, bytes * 3 / 2, Memory::Upload);

@@ -13,11 +13,14 @@ class IntegratePass {
  public:
   explicit IntegratePass(Device& device);
 
-  /// Updates all allocated blocks that the camera can see up to `far` metres. The blocks around the surface
-  /// must have been allocated before (AllocatePass). A depth weighs (floor / deviation)^2 of `noise`.
+  /// Updates all allocated blocks that the camera can see up to `far` metres and that no surface of the frame
+  /// hides. The frame's own submit must have ended, and the blocks around the surface must have been
+  /// allocated (AllocatePass). A depth weighs (floor / deviation)^2 of `noise`.
   void record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
               const shader::CameraIntrinsics& camera, const glm::mat4& camera_from_world, float far,
               const SensorNoise& noise = {});
+  /// Recorded last.
+  std::size_t blocks() const { return slots_.size(); }
 
  private:
   Device& device_;

@@ -5,15 +5,24 @@
 #include "engine/error.h"
 
 namespace rosefusion {
+namespace {
+
+int tilesAlong(int pixels) {
+  return (pixels + shader::kFarthestTile - 1) / shader::kFarthestTile;
+}
+
+}  // namespace
 
 PreprocessPass::PreprocessPass(Device& device, const shader::CameraIntrinsics& camera)
     : device_(device),
       camera_(camera),
-      kernel_(device, shaderCode("preprocess"), 3, sizeof(shader::PreprocessParams)) {
+      kernel_(device, shaderCode("preprocess"), 3, sizeof(shader::PreprocessParams)),
+      farthest_(device, shaderCode("farthest"), 2, sizeof(shader::FarthestParams)) {
   const auto pixels = static_cast<std::uint64_t>(camera.size.x) * camera.size.y;
   raw_ = Buffer(device, 2 * pixels, Memory::Upload);
   depth_ = Buffer(device, 4 * pixels, Memory::Device);
   points_ = Buffer(device, 16 * pixels, Memory::Device);
+  tiles_ = Buffer(device, 4ull * tilesAlong(camera.size.x) * tilesAlong(camera.size.y), Memory::Readback);
   colour_ = Buffer(device, 16, Memory::Upload);
 }
 
@@ -39,6 +48,14 @@ void PreprocessPass::recordKernel(Recorder& recorder, float metres_per_unit, flo
       camera_.focal_centre, camera_.size, metres_per_unit, min_depth, max_depth,
       edge_sigmas,          noise.floor,  noise.growth,    0,         0};
   recorder.dispatch(kernel_, {&raw_, &depth_, &points_}, params, {(pixels + 1) / 2});
+  const int columns = tilesAlong(camera_.size.x), rows = tilesAlong(camera_.size.y);
+  const shader::FarthestParams tiles{glm::ivec4(camera_.size.x, camera_.size.y, columns, rows)};
+  recorder.dispatch(farthest_, {&depth_, &tiles_}, tiles, {static_cast<std::uint32_t>(columns * rows)});
+}
+
+DepthReach PreprocessPass::reach() const {
+  const int columns = tilesAlong(camera_.size.x), rows = tilesAlong(camera_.size.y);
+  return {tiles_.as<float>().first(std::size_t(columns) * rows), columns, shader::kFarthestTile};
 }
 
 void PreprocessPass::setColour(std::span<const std::uint32_t> rgb) {

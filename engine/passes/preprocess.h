@@ -1,11 +1,13 @@
-// Pass preprocess: depth images onto the device, in metres and as points.
+// Passes preprocess and farthest: depth images onto the device, in metres and as points.
 #pragma once
 #include <cstdint>
 #include <span>
 
+#include "engine/depth_reach.h"
 #include "engine/recorder.h"
 #include "engine/sensor_noise.h"
 #include "shaders/compute/interface/camera.h"
+#include "shaders/compute/interface/farthest.h"
 #include "shaders/compute/interface/preprocess.h"
 
 namespace rosefusion {
@@ -29,6 +31,8 @@ class PreprocessPass {
   const Buffer& depth() const { return depth_; }    ///< float metres per pixel, 0 = invalid
   const Buffer& points() const { return points_; }  ///< vec4 per pixel, camera frame, w = 1 where valid
   const Buffer& colour() const { return colour_; }
+  /// After the submit: how far each part of the image sees.
+  DepthReach reach() const;
   bool hasColour() const { return has_colour_; }
   void clearColour() { has_colour_ = false; }
 
@@ -38,8 +42,8 @@ class PreprocessPass {
 
   Device& device_;
   shader::CameraIntrinsics camera_;
-  Kernel kernel_;
-  Buffer raw_, depth_, points_, colour_;
+  Kernel kernel_, farthest_;
+  Buffer raw_, depth_, points_, tiles_, colour_;
   bool has_colour_ = false;
 };
 

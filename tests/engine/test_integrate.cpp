@@ -201,6 +201,40 @@ TEST_F(IntegrateRules, BlocksBeyondFarAreLeftAlone) {
   EXPECT_GT(far_blocks, 10);
 }
 
+TEST_F(IntegrateRules, BlocksBehindAllSurfacesAreNotLookedAt) {
+  // A wall at 2 m, and then one at 1 m before it that leaves half of it in view.
+  Sequence sequence = makeSequence(kPlainCamera, 2, 36);
+  sequence.poses[1] = sequence.poses[0];
+  for (int i = 0; i < 2; ++i)
+    std::fill(sequence.images[i].depth.begin(), sequence.images[i].depth.end(), 10000);
+  for (int v = 0; v < kPlainCamera.height; ++v)
+    std::fill_n(sequence.images[1].depth.begin() + v * kPlainCamera.width, kPlainCamera.width / 2, 5000);
+  SceneRun run(device(), sequence, kVolume);
+  run.fuse(0);
+  const std::uint32_t far_wall = run.volume.blockCount();
+  EXPECT_GT(run.integrate.blocks(), 0.8 * far_wall);
+  run.load(1);
+  run.integrateDepth(sequence.poses[1]);  // no blocks for the near wall: the far one's are left
+  EXPECT_LT(run.integrate.blocks(), 0.7 * far_wall);
+  EXPECT_GT(run.integrate.blocks(), 0.4 * far_wall);
+  // What is seen is fused twice, what is hidden once: nothing that counts was left out.
+  const VolumeContents contents = run.volume.download();
+  const Pose camera_from_world = sequence.poses[0].inverse();
+  int twice = 0, once = 0;
+  for (std::size_t i = 512; i < contents.weight.size(); ++i) {
+    if (contents.weight[i] == 0) continue;
+    const glm::ivec4& b = contents.blocks[i / 512];
+    const int l = static_cast<int>(i % 512);
+    const Eigen::Vector3d voxel(b.x * 8 + l % 8 + 0.5, b.y * 8 + l / 8 % 8 + 0.5, b.z * 8 + l / 64 + 0.5);
+    const Eigen::Vector2d pixel = kPlainCamera.project(camera_from_world * (kVolume.voxel_size * voxel));
+    const double beside = pixel.x() - (kPlainCamera.width / 2 - 0.5);
+    if (std::abs(beside) < 0.1) continue;
+    EXPECT_EQ(contents.weight[i], beside > 0 ? 2 : 1) << "at pixel " << pixel.transpose();
+    ++(beside > 0 ? twice : once);
+  }
+  EXPECT_GT(std::min(twice, once), 1000);
+}
+
 TEST_F(IntegrateRules, FewWorkgroupsPerRowGiveTheSameVolume) {
   // A device that dispatches at most 7 workgroups along x gets rows of them, the last one not full.
   DeviceOptions options = deviceUnderTest();

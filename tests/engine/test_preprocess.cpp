@@ -29,6 +29,9 @@ class Preprocess : public ValidatingDevice, public ::testing::WithParamInterface
     raw_ = raw;
     depth_ = readBack<float>(device(), pass.depth(), raw.size());
     points_ = readBack<float>(device(), pass.points(), 4 * raw.size());
+    const DepthReach reach = pass.reach();
+    farthest_.assign(reach.farthest.begin(), reach.farthest.end());
+    columns_ = reach.columns;
   }
   reference::Comparison compareWith(const Intrinsics& camera, const reference::DepthSensor& sensor) const {
     return compare(preprocess(raw_, camera, sensor), depth_, points_);
@@ -36,13 +39,37 @@ class Preprocess : public ValidatingDevice, public ::testing::WithParamInterface
 
   Sequence sequence_;
   std::vector<std::uint16_t> raw_;
-  std::vector<float> depth_, points_;
+  std::vector<float> depth_, points_, farthest_;
+  int columns_ = 0;
 };
 
 TEST_P(Preprocess, AgreesWithTheReference) {
   const auto result = compareWith(GetParam(), sequence_.sensor);
   EXPECT_TRUE(agrees(result));
   EXPECT_EQ(result.compared, std::size_t(GetParam().width) * GetParam().height);
+}
+
+TEST_P(Preprocess, EachTileTellsItsFarthestDepth) {
+  const int width = GetParam().width, height = GetParam().height;
+  const auto expected = [&](int side) {
+    const int columns = (width + side - 1) / side;
+    std::vector<float> tiles(std::size_t(columns) * ((height + side - 1) / side));
+    for (int v = 0; v < height; ++v)
+      for (int u = 0; u < width; ++u) {
+        float& tile = tiles[std::size_t(v / side) * columns + u / side];
+        tile = std::max(tile, depth_[std::size_t(v) * width + u]);
+      }
+    return tiles;
+  };
+  EXPECT_EQ(columns_, (width + 15) / 16);
+  EXPECT_EQ(farthest_, expected(16));
+  EXPECT_NE(farthest_, expected(15));
+  // One pixel each, in the corners, of an image that is invalid else.
+  std::vector<std::uint16_t> raw(depth_.size());
+  raw.front() = raw.back() = 10000;
+  run(raw);
+  EXPECT_EQ(farthest_, expected(16));
+  EXPECT_EQ(std::count(farthest_.begin(), farthest_.end(), 0.0f), std::ssize(farthest_) - 2);
 }
 
 TEST_P(Preprocess, ComparisonSeesAWrongCoefficient) {
