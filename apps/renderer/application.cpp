@@ -28,6 +28,14 @@ int familyOf(VkPhysicalDevice physical) {
   return -1;
 }
 
+/// Whether $ROSEFUSION_DEVICE, a part of the name, a type or an index, means this device.
+bool isMeant(const char* wanted, const VkPhysicalDeviceProperties& properties, std::uint32_t index) {
+  static const char* const kTypes[] = {"other", "integrated", "discrete", "virtual",
+                                       "cpu"};  // as Vulkan's values
+  return wanted == std::to_string(index) || wanted == std::string(kTypes[properties.deviceType]) ||
+         std::strstr(properties.deviceName, wanted);
+}
+
 }  // namespace
 
 void require(VkResult result, const char* doing) {
@@ -103,15 +111,15 @@ void Application::choosePhysicalDevice() {
   require(vkEnumeratePhysicalDevices(instance, &count, all.data()), "Listing the Vulkan devices");
   const char* wanted = std::getenv("ROSEFUSION_DEVICE");
   std::string reasons;
-  for (const VkPhysicalDevice candidate : all) {
+  for (std::uint32_t i = 0; i < count; ++i) {
     VkPhysicalDeviceProperties properties;
-    vkGetPhysicalDeviceProperties(candidate, &properties);
-    const int found = familyOf(candidate);
-    physical = candidate;
+    vkGetPhysicalDeviceProperties(all[i], &properties);
+    const int found = familyOf(all[i]);
+    physical = all[i];
     family = static_cast<std::uint32_t>(std::max(found, 0));
     std::vector<std::string> against = rosefusion::missingFor(handles());
     if (found < 0) against.push_back("it has no queue for both graphics and compute");
-    if (wanted && !std::strstr(properties.deviceName, wanted))
+    if (wanted && !isMeant(wanted, properties, i))
       against.push_back("it is not '" + std::string(wanted) + "' ($ROSEFUSION_DEVICE)");
     if (against.empty()) return;
     for (const std::string& reason : against)

@@ -16,7 +16,10 @@ layout(std430, binding = kAllocateBindRequests) restrict buffer Requests {
 };
 
 void requestBlockAt(vec3 world) {
-  ivec3 block = ivec3(floor(world * (volume.scale.y / float(kBlockSide))));
+  vec3 at = floor(world * (volume.scale.y / float(kBlockSide)));
+  // What no integer holds, and what is no number, is as far away as can be said.
+  bool sound = all(lessThan(abs(at), vec3(kFarthestRequest)));
+  ivec3 block = ivec3(sound ? at : vec3(kFarthestRequest));
   ivec3 entry = block - volume.table_origin.xyz;
   if (any(lessThan(entry, ivec3(1))) || any(greaterThan(entry, volume.table_size.xyz - 2))) {
     atomicAdd(header.outside, 1u);

@@ -24,6 +24,14 @@ VKAPI_ATTR VkBool32 VKAPI_CALL keepMessage(VkDebugUtilsMessageSeverityFlagBitsEX
   return VK_FALSE;
 }
 
+// $ROSEFUSION_DEVICE is a part of the name, a type or an index.
+bool isMeant(const char* wanted, const VkPhysicalDeviceProperties& properties, std::uint32_t index) {
+  static const char* const kTypes[] = {"other", "integrated", "discrete", "virtual",
+                                       "cpu"};  // as Vulkan's values
+  return wanted == std::to_string(index) || wanted == std::string(kTypes[properties.deviceType]) ||
+         std::strstr(properties.deviceName, wanted);
+}
+
 // Sizes are kept in front of what is handed out, so that reallocation can copy. Counters: live, made.
 struct Counts {
   int* live;
@@ -99,7 +107,7 @@ Caller::Caller(bool with_validation, bool timeline)
   for (std::uint32_t i = 0; i < count; ++i) {
     VkPhysicalDeviceProperties properties;
     command<PFN_vkGetPhysicalDeviceProperties>("vkGetPhysicalDeviceProperties")(all[i], &properties);
-    if (std::strstr(properties.deviceName, chosen ? chosen : "llvmpipe")) physical = all[i];
+    if (isMeant(chosen ? chosen : "llvmpipe", properties, i)) physical = all[i];
   }
   if (!physical) throw std::runtime_error("the test's own Vulkan finds not the device under test");
   const float priority = 1;

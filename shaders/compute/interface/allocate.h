@@ -13,6 +13,8 @@ const uint kAllocateBindDepth = 2u;
 const uint kAllocateBindRequests =
     3u;  // AllocateHeader, then the table entries asked for, in no particular order
 
+const float kFarthestRequest = 1e9;  // blocks from the origin; the volume refuses far less
+
 struct AllocateParams {
   mat4 world_from_camera;
   vec4 focal_centre;
