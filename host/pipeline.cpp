@@ -76,10 +76,6 @@ constexpr int kConfirmations = 2;   // frames after the one that was found again
 // to hold the pose by 4 times refine.least_constraint.
 constexpr double kColourConstraint = 5;
 
-// Up to so many times refine.least_constraint errors of the model can still carry a pose along, and a wrong
-// place seems to hold it (tests/bench/NOTES.md).
-constexpr double kWeakConstraint = 4;
-
 /// A pose whose depth leaves a direction open is held there by the motion model, and may drift.
 void judgeConstraint(const RefineSettings& limits, FrameResult& result) {
   if (!result.fit || result.status != TrackingStatus::Tracked) return;

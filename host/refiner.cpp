@@ -123,7 +123,7 @@ Pose moved(const Pose& pose, const Vector6& step) {
 Refiner::Refiner(Device& device, const Settings& settings, const Intrinsics& intrinsics)
     : settings_(settings.refine),
       weights_{static_cast<float>(settings.refine.huber), toShader(settings.depth),
-               static_cast<float>(settings.refine.model_noise)},
+               static_cast<float>(settings.refine.model_noise), settings.refine.front_only},
       colour_weight_(settings.refine.colour_weight *
                      std::pow(settings.depth.noise_floor / kLuminanceDeviation, 2)),
       camera_(toShader(intrinsics)),
@@ -198,7 +198,7 @@ std::vector<PoseFit> Refiner::refine(const Volume& volume, std::span<const Pose>
   if (coloured_ && !asks_colour_ && volume.options().colour) {
     // Starts that are far off leave most of the points without a slope, and directions open for that alone.
     asks_colour_ = std::all_of(first.begin(), first.end(), [&](const Evaluation& at) {
-      return modelOf(at).constraint < settings_.least_constraint;
+      return modelOf(at).constraint < kWeakConstraint * settings_.least_constraint;
     });
     if (asks_colour_) first = evaluate(volume, places);
   }

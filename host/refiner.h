@@ -14,6 +14,9 @@
 namespace rosefusion {
 
 inline constexpr int kVoxelsPerPoint = 27;  ///< that the descent reads
+/// Up to so many times refine.least_constraint errors of the model can still carry a pose along, and a wrong
+/// place seems to hold it (tests/bench/NOTES.md).
+inline constexpr double kWeakConstraint = 4;
 
 /// `pose` shifted in the world by the first three of `step` and turned about its own centre by the last
 /// three, a rotation vector applied from the left.

@@ -66,6 +66,7 @@ struct RefineSettings {
   int pixel_stride = 4;
   double huber = 0.02;
   double model_noise = 0;
+  bool front_only = false;
   int coarse_pixel_stride = 8;
   double least_constraint = 0.001;
   double motion_preference = 0.05;

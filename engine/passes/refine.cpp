@@ -35,7 +35,8 @@ void RefinePass::record(Recorder& recorder, const Volume& volume, const SelectPo
                             weights.noise.growth,
                             parts_,
                             glm::vec4(last_camera.size.x, last_camera.size.y, inside, 0),
-                            weights.model_noise};
+                            weights.model_noise,
+                            weights.front_only};
   const Buffer* buffers[kRefineBindings] = {&volume.layoutBuffer(), &volume.table()};
   for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
     buffers[kRefineBindTsdf + chunk] = &volume.tsdf(chunk);

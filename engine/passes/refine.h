@@ -17,6 +17,8 @@ struct RefineWeights {
   float huber = 0.02f;
   SensorNoise noise;
   float model_noise = 0;  ///< of the surface in a voxel of weight 1, metres
+  bool front_only =
+      false;  ///< leaves out points where the model shows a surface's back: a thin wall's other side
 };
 
 /// Sums over the points at one pose, indexed by the kRefine... constants of

@@ -26,6 +26,7 @@ layout(std430, binding = kRefineBindSums) writeonly restrict buffer Sums { float
 
 shared float s_sums[kRefineSums * kRefineGroup];
 
+const float kBackCosine = 0.2;   // grazing surfaces are noise on either side of 0
 const float kTruncated = 0.999;  // of a stored value: beyond, the voxel tells no distance
 
 float robust(float distance_) {
@@ -69,6 +70,9 @@ void main() {
     float weight = params.noise_floor * params.noise_floor / variance;
     Neighbourhood near = neighbourhoodOf(position);
     float residual = near.value * truncation;
+    // A thin wall's other side, seen before, would pull the point through the wall.
+    bool back = near.largest < kTruncated && dot(near.gradient, arm) > kBackCosine * length(near.gradient) * length(arm);
+    if (usable && back && params.front_only != 0u) continue;
     if (!usable && !inImage((last_image * vec4(p, 1.0)).xyz, ivec2(params.last_image.xy), params.last_image.z)) continue;
     add(sum[kRefineMostCost], cost_weight * most);
     add(sum[kRefineCost], cost_weight * (usable ? robust(residual) : most));

@@ -1,5 +1,8 @@
 // Pass refine against its reference.
+#include <algorithm>
+#include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "engine/passes/refine.h"
 #include "tests/engine/scene_run.h"
@@ -66,9 +69,9 @@ class Refine : public ValidatingDevice, public ::testing::WithParamInterface<Int
     for (const Pose& pose : poses)
       candidates.push_back({onDevice(pose), image * onDevice(Pose(model_.last_from_world * pose))});
     pass_.emplace(device());
-    pass_->record(
-        run.recorder, run.volume, *points_, candidates, onDevice(k),
-        {static_cast<float>(model_.huber), onDevice(model_.noise), static_cast<float>(model_.model_noise)});
+    pass_->record(run.recorder, run.volume, *points_, candidates, onDevice(k),
+                  {static_cast<float>(model_.huber), onDevice(model_.noise),
+                   static_cast<float>(model_.model_noise), model_.front_only});
     run.recorder.submit();
     return pass_->sums();
   }
@@ -143,6 +146,54 @@ TEST_P(Refine, ComparisonSeesAWrongCoefficient) {
   poses_ = right;
   reference_points_.erase(reference_points_.begin() +
                           static_cast<std::ptrdiff_t>(reference_points_.size() / 2));
+  EXPECT_TRUE(differs(compareWith(measured, model_)));
+}
+
+// A steep wall, and the same points turned about a line in it: they lie on the wall, and see it from behind.
+TEST_P(Refine, SurfacesSeenFromBehindAreLeftOutOnDemand) {
+  Sequence wall = makeSequence(GetParam(), 1, 72);
+  for (int v = 0; v < GetParam().height; ++v)
+    for (int u = 0; u < GetParam().width; ++u)
+      wall.images[0].depth[std::size_t(v) * GetParam().width + u] =
+          std::uint16_t(std::lround(5000 / (1 - 0.005 * u)));  // 1 to 5 m
+  VolumeOptions wide = kVolume;                                // so that grazing views read distances
+  wide.truncation = 0.3f;
+  model_.truncation = wide.truncation;
+  run_.emplace(device(), wall, wide);
+  run_->fuseAll();
+  contents_ = run_->volume.download();
+  reference_contents_ = inReferenceTypes(contents_);
+  select(*run_);
+  reference_points_.clear();
+  for (const auto& candidate : selectPoints(run_->referenceImage(0), GetParam(), kGrid.stride, kGrid.offset_x,
+                                            kGrid.offset_y, nullptr)
+                                   .points)
+    reference_points_.push_back(candidate.point);
+  const Pose truth = wall.poses[0];
+  const Eigen::Vector3d middle = *std::min_element(
+      reference_points_.begin(), reference_points_.end(),
+      [](const auto& p, const auto& q) { return std::abs(p.z() - 2) < std::abs(q.z() - 2); });
+  const Pose behind = truth * Eigen::Translation3d(middle) *
+                      Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitY()) *
+                      Eigen::Translation3d(-middle);
+  poses_ = {asFloats(truth), asFloats(behind)};
+  model_.last_from_world = asFloats(truth.inverse());
+
+  const auto all = sums(*run_, poses_);
+  EXPECT_TRUE(agrees(compareWith(all, model_), kWideShare));
+  model_.front_only = true;
+  const auto measured = sums(*run_, poses_);
+  EXPECT_TRUE(agrees(compareWith(measured, model_), kWideShare));
+  EXPECT_EQ(measured[0], all[0]) << "seen from the front";
+  EXPECT_GT(all[1][shader::kRefineUsable], 100);
+  EXPECT_LT(measured[1][shader::kRefineUsable], 0.5 * all[1][shader::kRefineUsable]);
+  EXPECT_GT(measured[1][shader::kRefineUsable], 0) << "grazing views are left in";
+  for (const double wrong : {-0.9, 0.5}) {
+    model_.back_cosine = wrong;
+    EXPECT_TRUE(differs(compareWith(measured, model_))) << wrong;
+  }
+  model_.back_cosine = 0.2;
+  model_.front_only = false;
   EXPECT_TRUE(differs(compareWith(measured, model_)));
 }
 

@@ -9,6 +9,7 @@
 #include "shaders/compute/interface/allocate.h"
 #include "shaders/compute/interface/extract_count.h"
 #include "shaders/compute/interface/extract_emit.h"
+#include "shaders/compute/interface/farthest.h"
 #include "shaders/compute/interface/fitness.h"
 #include "shaders/compute/interface/fitness_reduce.h"
 #include "shaders/compute/interface/icp.h"
@@ -61,6 +62,7 @@ const std::map<std::string, ShaderStruct>& structsInCpp() {
              MEMBER(IntegrateParams, focal_centre), MEMBER(IntegrateParams, size),
              MEMBER(IntegrateParams, noise_floor), MEMBER(IntegrateParams, noise_growth),
              MEMBER(IntegrateParams, pad0), MEMBER(IntegrateParams, pad1)),
+      STRUCT(FarthestParams, MEMBER(FarthestParams, size)),
       STRUCT(PreprocessParams, MEMBER(PreprocessParams, focal_centre), MEMBER(PreprocessParams, size),
              MEMBER(PreprocessParams, metres_per_unit), MEMBER(PreprocessParams, min_depth),
              MEMBER(PreprocessParams, max_depth), MEMBER(PreprocessParams, edge_sigmas),
@@ -68,7 +70,8 @@ const std::map<std::string, ShaderStruct>& structsInCpp() {
              MEMBER(PreprocessParams, pad0), MEMBER(PreprocessParams, pad1)),
       STRUCT(RefineParams, MEMBER(RefineParams, huber), MEMBER(RefineParams, noise_floor),
              MEMBER(RefineParams, noise_growth), MEMBER(RefineParams, parts),
-             MEMBER(RefineParams, last_image), MEMBER(RefineParams, model_noise)),
+             MEMBER(RefineParams, last_image), MEMBER(RefineParams, model_noise),
+             MEMBER(RefineParams, front_only)),
       STRUCT(RefineCandidate, MEMBER(RefineCandidate, world_from_camera),
              MEMBER(RefineCandidate, last_image_from_camera)),
       STRUCT(RefineColourParams, MEMBER(RefineColourParams, focal_centre), MEMBER(RefineColourParams, size),

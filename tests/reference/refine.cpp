@@ -96,12 +96,15 @@ Sums terms(const VoxelValues& values, const VoxelValues& weights, const Eigen::V
     variance += std::pow(model.model_noise, 2) / weights.at(position.array().floor().cast<int>());
   const double cost_weight = model.huber * model.huber / (model.huber * model.huber + variance);
   out[28] = cost_weight * robust(model.truncation, model.huber);
+  const Slope read = smoothGradient(values, position);
   if (!reading.usable) {
     if (!held_by_last) out[28] = 0;
     out[27] = out[28];
+  } else if (model.front_only && read.known &&
+             read.gradient.dot(arm) > model.back_cosine * read.gradient.norm() * arm.norm()) {
+    out[28] = 0;
   } else {
     const double residual = reading.value * model.truncation;
-    const Slope read = smoothGradient(values, position);
     const Eigen::Vector3d slope = read.known
                                       ? Eigen::Vector3d(read.gradient * model.truncation / values.voxelSize())
                                       : Eigen::Vector3d::Zero();

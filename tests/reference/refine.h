@@ -13,7 +13,10 @@ struct RefineModel {
   double huber = 0.02;       ///< metres
   DepthNoise noise;
   double model_noise = 0;  ///< metres, of the surface in a voxel of weight 1
-  double turn_sense = 1;   ///< of the turns' derivatives; -1 only to be wrong
+  bool front_only =
+      false;  ///< points where the surface shows its back, looked at from the camera, are left out
+  double back_cosine = 0.2;  ///< of the angle between the surface's normal and the view, from where on
+  double turn_sense = 1;     ///< of the turns' derivatives; -1 only to be wrong
   Pose last_from_world = Pose::Identity();
   Intrinsics last_camera;
 };
