@@ -47,21 +47,29 @@ Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Im
     const auto requirements = impl_->buffer.getMemoryRequirements();
     const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
     // Parameters that every invocation reads belong beside the processors; images cross once anyway.
-    const bool small = bytes <= kSmallUpload;
-    const int type =
-        memory == Memory::Device
-            ? memoryType(device.memory, requirements.memoryTypeBits, {}, Property::eDeviceLocal)
-        : memory == Memory::Upload
-            ? memoryType(device.memory, requirements.memoryTypeBits, host,
-                         small ? Property::eDeviceLocal : vk::MemoryPropertyFlags())
-            : memoryType(device.memory, requirements.memoryTypeBits, host, Property::eHostCached);
-    if (type < 0)
-      throw DeviceError(DeviceErrorCode::MissingLimit, device.info.name + " has no memory type for buffers.");
-    requireAtMost(device.memory.memoryHeaps[device.memory.memoryTypes[type].heapIndex].size,
-                  requirements.size, device.info);
-    impl_->memory = {device.device,
-                     vk::MemoryAllocateInfo(requirements.size, static_cast<std::uint32_t>(type)),
-                     device.allocator};
+    const bool beside = memory == Memory::Upload && bytes <= kSmallUpload;
+    const auto allocate = [&](vk::MemoryPropertyFlags needed, vk::MemoryPropertyFlags wanted) {
+      const int type = memoryType(device.memory, requirements.memoryTypeBits, needed, wanted);
+      if (type < 0)
+        throw DeviceError(DeviceErrorCode::MissingLimit,
+                          device.info.name + " has no memory type for buffers.");
+      requireAtMost(device.memory.memoryHeaps[device.memory.memoryTypes[type].heapIndex].size,
+                    requirements.size, device.info);
+      impl_->memory = {device.device,
+                       vk::MemoryAllocateInfo(requirements.size, static_cast<std::uint32_t>(type)),
+                       device.allocator};
+    };
+    if (memory == Memory::Device) {
+      allocate({}, Property::eDeviceLocal);
+    } else if (!beside) {
+      allocate(host, memory == Memory::Readback ? Property::eHostCached : vk::MemoryPropertyFlags());
+    } else {
+      try {
+        allocate(host, Property::eDeviceLocal);
+      } catch (const vk::OutOfDeviceMemoryError&) {
+        allocate(host, {});  // the part of the device's memory that the host sees is small on some
+      }
+    }
     impl_->buffer.bindMemory(*impl_->memory, 0);
     if (memory != Memory::Device) impl_->mapped = impl_->memory.mapMemory(0, bytes);
     // Made with the buffer, not when first bound: copies of it are bound on several threads.

@@ -185,7 +185,7 @@ std::vector<SettingsField> makeTable() {
       row("refine.minimum_move", "m, rad", 0, 1, "a smaller step ends the descent",
           R(&RefineSettings::minimum_move)),
       row("refine.colour_weight", "", 0, 1000,
-          "what colour weighs beside depth where depth leaves a direction open and the sequence has colour; "
+          "what colour weighs beside depth where depth hardly holds a direction and the sequence has colour; "
           "0: "
           "never asked",
           R(&RefineSettings::colour_weight)),

@@ -46,8 +46,8 @@ void FitnessPass::setTemplates(std::span<const glm::vec4> templates) {
 }
 
 std::uint64_t FitnessPass::lookups() const {
-  if (!raced_) return std::uint64_t(particles_) * points_->selected();
   const auto walked = walked_.as<std::uint32_t>().first(particles_);
+  if (!raced_) return std::uint64_t(particles_) * walked[0];  // all walk the same points
   return std::accumulate(walked.begin(), walked.end(), std::uint64_t(0));
 }
 
@@ -56,7 +56,6 @@ void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectP
   if (32ull * (swarm.first_particle + swarm.particles) > templates_.bytes())
     throw DeviceError(DeviceErrorCode::Programming, "The swarm reaches past the templates on the device.");
   particles_ = swarm.particles;
-  points_ = &points;
   const std::uint32_t slices = std::max((points.cells() + kLongestLoop - 1) / kLongestLoop,
                                         slices_ ? slices_ : slicesFor(device_.info(), swarm.particles));
   if (partial_.bytes() < 16ull * slices * swarm.particles)

@@ -53,7 +53,7 @@ class FitnessPass {
   std::span<const float> losses() const { return loss_buffer_.as<float>().first(particles_); }
   /// After the submit: points counted per particle.
   std::span<const std::uint32_t> counted() const { return counted_.as<std::uint32_t>().first(particles_); }
-  /// After the submit, while `points` holds what was recorded: TSDF lookups of all particles.
+  /// After the submit: TSDF lookups of all particles.
   std::uint64_t lookups() const;
 
  private:
@@ -65,7 +65,6 @@ class FitnessPass {
       kernels_;  ///< by number of pool chunks, overlap per particle, and racing
   Kernel reduce_;
   Buffer templates_, partial_, loss_buffer_, counted_, walked_, overlap_;
-  const SelectPointsPass* points_ = nullptr;
   std::uint32_t particles_ = 0;
   bool raced_ = false;
 };

@@ -71,8 +71,8 @@ void main() {
     Neighbourhood near = neighbourhoodOf(position);
     float residual = near.value * truncation;
     // A thin wall's other side, seen before, would pull the point through the wall.
-    bool back = near.largest < kTruncated && dot(near.gradient, arm) > kBackCosine * length(near.gradient) * length(arm);
-    if (usable && back && params.front_only != 0u) continue;
+    if (usable && params.front_only != 0u && near.largest < kTruncated &&
+        dot(near.gradient, arm) > kBackCosine * length(near.gradient) * length(arm)) continue;
     if (!usable && !inImage((last_image * vec4(p, 1.0)).xyz, ivec2(params.last_image.xy), params.last_image.z)) continue;
     add(sum[kRefineMostCost], cost_weight * most);
     add(sum[kRefineCost], cost_weight * (usable ? robust(residual) : most));

@@ -50,6 +50,36 @@ class Refine : public ValidatingDevice, public ::testing::WithParamInterface<Int
     }
   }
 
+  /// A wall of which 1 / z falls by `slope` a pixel, and poses_ before it and turned about a line in it, at
+  /// `depth`: from there the same points lie on the wall and see it from behind.
+  void turnAboutASteepWall(double slope, float truncation, double depth) {
+    Sequence wall = makeSequence(GetParam(), 1, 72);
+    for (std::size_t i = 0; i < wall.images[0].depth.size(); ++i)
+      wall.images[0].depth[i] =
+          std::uint16_t(std::lround(5000 / (1 - slope * double(i % std::size_t(GetParam().width)))));
+    VolumeOptions wide = kVolume;
+    wide.truncation = truncation;  // so that grazing views read distances
+    model_.truncation = truncation;
+    run_.emplace(device(), wall, wide);
+    run_->fuseAll();
+    contents_ = run_->volume.download();
+    reference_contents_ = inReferenceTypes(contents_);
+    select(*run_);
+    reference_points_.clear();
+    const auto selection = selectPoints(run_->referenceImage(0), GetParam(), kGrid.stride, kGrid.offset_x,
+                                        kGrid.offset_y, nullptr);
+    for (const auto& candidate : selection.points) reference_points_.push_back(candidate.point);
+    const Eigen::Vector3d middle = *std::min_element(
+        reference_points_.begin(), reference_points_.end(),
+        [&](const auto& p, const auto& q) { return std::abs(p.z() - depth) < std::abs(q.z() - depth); });
+    const Pose truth = wall.poses[0];
+    const Pose behind = truth * Eigen::Translation3d(middle) *
+                        Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitY()) *
+                        Eigen::Translation3d(-middle);
+    poses_ = {asFloats(truth), asFloats(behind)};
+    model_.last_from_world = asFloats(truth.inverse());
+  }
+
   /// The same pose as the device gets it.
   static Pose asFloats(const Pose& pose) {
     Pose out = pose;
@@ -149,36 +179,8 @@ TEST_P(Refine, ComparisonSeesAWrongCoefficient) {
   EXPECT_TRUE(differs(compareWith(measured, model_)));
 }
 
-// A steep wall, and the same points turned about a line in it: they lie on the wall, and see it from behind.
 TEST_P(Refine, SurfacesSeenFromBehindAreLeftOutOnDemand) {
-  Sequence wall = makeSequence(GetParam(), 1, 72);
-  for (int v = 0; v < GetParam().height; ++v)
-    for (int u = 0; u < GetParam().width; ++u)
-      wall.images[0].depth[std::size_t(v) * GetParam().width + u] =
-          std::uint16_t(std::lround(5000 / (1 - 0.005 * u)));  // 1 to 5 m
-  VolumeOptions wide = kVolume;                                // so that grazing views read distances
-  wide.truncation = 0.3f;
-  model_.truncation = wide.truncation;
-  run_.emplace(device(), wall, wide);
-  run_->fuseAll();
-  contents_ = run_->volume.download();
-  reference_contents_ = inReferenceTypes(contents_);
-  select(*run_);
-  reference_points_.clear();
-  for (const auto& candidate : selectPoints(run_->referenceImage(0), GetParam(), kGrid.stride, kGrid.offset_x,
-                                            kGrid.offset_y, nullptr)
-                                   .points)
-    reference_points_.push_back(candidate.point);
-  const Pose truth = wall.poses[0];
-  const Eigen::Vector3d middle = *std::min_element(
-      reference_points_.begin(), reference_points_.end(),
-      [](const auto& p, const auto& q) { return std::abs(p.z() - 2) < std::abs(q.z() - 2); });
-  const Pose behind = truth * Eigen::Translation3d(middle) *
-                      Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitY()) *
-                      Eigen::Translation3d(-middle);
-  poses_ = {asFloats(truth), asFloats(behind)};
-  model_.last_from_world = asFloats(truth.inverse());
-
+  turnAboutASteepWall(0.005, 0.3f, 2);
   const auto all = sums(*run_, poses_);
   EXPECT_TRUE(agrees(compareWith(all, model_), kWideShare));
   model_.front_only = true;
@@ -195,6 +197,17 @@ TEST_P(Refine, SurfacesSeenFromBehindAreLeftOutOnDemand) {
   model_.back_cosine = 0.2;
   model_.front_only = false;
   EXPECT_TRUE(differs(compareWith(measured, model_)));
+}
+
+TEST_P(Refine, ComparisonSeesFromWhichAngleOnASurfaceIsSeenFromBehind) {
+  turnAboutASteepWall(0.0052, 0.5f, 3);
+  model_.front_only = true;
+  const auto measured = sums(*run_, poses_);
+  EXPECT_TRUE(agrees(compareWith(measured, model_), kWideShare));
+  for (const double wrong : {0.15, 0.25}) {
+    model_.back_cosine = wrong;
+    EXPECT_TRUE(differs(compareWith(measured, model_))) << wrong;
+  }
 }
 
 TEST_P(Refine, PosesDoNotInfluenceOneAnother) {
