@@ -27,7 +27,7 @@ struct PoseFit {
   Pose world_from_camera = Pose::Identity();
   double cost = 1;         ///< robust, in [0, 1]: 1 where no point finds a surface
   double usable = 0;       ///< share that reads a distance
-  double close = 0;        ///< share nearer to the surface than refine.huber
+  double close = 0;        ///< share nearer to the surface than refine.huber or twice the depth's noise
   double constraint = 0;   ///< how firmly depth and, where it was asked, colour hold the least constrained
                            ///< direction; a plane's own is 1
   double colour_cost = 0;  ///< the same of the luminance, in units of `cost`; 0 where colour was not asked

@@ -9,10 +9,11 @@ namespace {
 // Tracking is off by about a hundredth of the motion, and turns by as much as shifts seem at 2.5 m.
 constexpr double kShiftDeviation = 0.001, kShiftShare = 0.01, kTurnPerShift = 0.4;
 constexpr double kLooseness = 10;  // of motions in which the depth left a direction open
-constexpr double kTieDeviation = 0.003;
-constexpr double kMostStrain = 0.05;  // metres that ties may contradict each other by
-constexpr double kViewTurn = 0.6;     // radians within which views overlap enough
-constexpr int kNeighbours = 3;        // to either side
+constexpr double kTieDeviation = 0.003, kUnsureTieDeviation = 0.01;
+constexpr double kMostStrain = 0.05;    // metres that a tie may be contradicted by
+constexpr double kMostDeviations = 10;  // and a tracked motion, if that is more: a jump is no drift
+constexpr double kViewTurn = 0.6;       // radians within which views overlap enough
+constexpr int kNeighbours = 8;          // to either side, within loops.reach
 
 double turnBetween(const Pose& a, const Pose& b) {
   return Eigen::AngleAxisd(Eigen::Matrix3d(a.linear().transpose() * b.linear())).angle();
@@ -29,9 +30,10 @@ PoseEdge edgeOf(std::size_t first, std::size_t second, const Pose& motion, doubl
 }  // namespace
 
 bool KeyframeMap::add(const Pose& pose, bool fused, bool firm) {
-  if (!frames_.empty()) travelled_ += shiftBetween(pose, last_) + turnBetween(pose, last_);
+  const double way = frames_.empty() ? 0 : shiftBetween(pose, last_) + turnBetween(pose, last_);
+  travelled_ += way;
+  if (!firm) loose_way_ += way;
   last_ = pose;
-  firm_ = firm_ && firm;
   if (keyframes_.empty() && !fused) return false;
   std::size_t reference = keyframes_.empty() ? 0 : broken_ ? nearest(pose) : keyframes_.size() - 1;
   Pose motion =
@@ -40,14 +42,17 @@ bool KeyframeMap::add(const Pose& pose, bool fused, bool firm) {
   const bool far =
       keyframes_.empty() || broken_ || shift >= settings_.keyframe_shift || turn >= settings_.keyframe_turn;
   if (fused && far) {
-    if (!keyframes_.empty())
+    if (!keyframes_.empty()) {
+      const double all = std::max(travelled_ - keyframes_.back().travelled, 1e-9);
+      const double looseness = 1 + (kLooseness - 1) * loose_way_ / all;
       edges_.push_back(edgeOf(reference, keyframes_.size(), motion,
-                              (firm_ ? 1 : kLooseness) * (kShiftDeviation + kShiftShare * (shift + turn))));
+                              looseness * (kShiftDeviation + kShiftShare * (shift + turn))));
+    }
     reference = keyframes_.size();
     motion = Pose::Identity();
     keyframes_.push_back({pose, travelled_});
     broken_ = false;
-    firm_ = true;
+    loose_way_ = 0;
   }
   frames_.push_back({reference, motion});
   return fused && far;
@@ -95,8 +100,9 @@ std::vector<std::size_t> KeyframeMap::neighbours(std::size_t keyframe,
   return out;
 }
 
-PoseEdge KeyframeMap::tieOf(std::size_t old, const Pose& world_from_newest) const {
-  return edgeOf(old, keyframes_.size() - 1, pose(old).inverse() * world_from_newest, kTieDeviation);
+PoseEdge KeyframeMap::tieOf(std::size_t old, const Pose& world_from_newest, bool sure) const {
+  return edgeOf(old, keyframes_.size() - 1, pose(old).inverse() * world_from_newest,
+                sure ? kTieDeviation : kUnsureTieDeviation);
 }
 
 bool KeyframeMap::close() {
@@ -104,9 +110,13 @@ bool KeyframeMap::close() {
   for (const Keyframe& k : keyframes_) poses.push_back(k.world_from_camera);
   std::vector<PoseEdge> all = edges_;
   all.insert(all.end(), ties_.begin(), ties_.end());
+  const PoseEdge* const ties = all.data() + edges_.size();
   poses = optimisePoses(std::move(poses), all);
-  if (std::any_of(ties_.begin(), ties_.end(),
-                  [&](const PoseEdge& tie) { return strainOf(tie, poses) > kMostStrain; })) {
+  const bool contradicted = std::any_of(all.begin(), all.end(), [&](const PoseEdge& edge) {
+    const double strain = strainOf(edge, poses);
+    return strain > kMostStrain && (&edge >= ties || strain > kMostDeviations * edge.shift_deviation);
+  });
+  if (contradicted) {
     ties_.resize(closed_ties_);
     return false;
   }

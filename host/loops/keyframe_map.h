@@ -31,12 +31,12 @@ class KeyframeMap {
   std::vector<std::size_t> neighbours(std::size_t keyframe,
                                       const std::function<bool(std::size_t)>& usable) const;
 
-  /// The newest keyframe's pose, measured against an old one.
-  PoseEdge tieOf(std::size_t old, const Pose& world_from_newest) const;
+  /// The newest keyframe's pose, measured against an old one; `sure`: by most of its image.
+  PoseEdge tieOf(std::size_t old, const Pose& world_from_newest, bool sure = true) const;
   /// Counts from the next close() on.
   void tie(const PoseEdge& edge) { ties_.push_back(edge); }
   /// Moves all keyframes to where the edges want them; false, and nothing is changed, where the newest ties
-  /// contradict older ones. Then they are forgotten.
+  /// contradict older ones or what was tracked firmly. Then they are forgotten.
   bool close();
   /// Poses of all frames added, in their order, as they are known now.
   std::vector<Pose> framePoses() const;
@@ -60,7 +60,7 @@ class KeyframeMap {
   Pose last_ = Pose::Identity();
   double travelled_ = 0;
   bool broken_ = false;
-  bool firm_ = true;  ///< all frames since the last keyframe
+  double loose_way_ = 0;  ///< of what was travelled since the last keyframe, what frames not firm made
 };
 
 }  // namespace rosefusion

@@ -1,5 +1,6 @@
 #include "host/loops/loop_closer.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "host/frame_fuser.h"
@@ -15,10 +16,13 @@ namespace {
 constexpr double kAfterAgreement = 1, kAfterNothing = 0.3;
 // Two keyframes, not far apart, must ask for the same correction, to this and a share of it.
 constexpr double kSameShift = 0.03, kSameTurn = 0.02, kSameShare = 0.1;
-constexpr double kPendingFor = 1;  // travelled between the two
+constexpr double kPendingFor = 1;  // travelled between the two, of which one at least must be sure
 // A correction this large that is asked for no longer: the tracker has jumped onto the old map by itself.
 // Ties to both sides of the jump hold only where the way between is loose; elsewhere they contradict it.
-constexpr double kJump = 0.1;
+constexpr double kJump = 0.1, kJumped = 0.2;  // metres; the share of it that may be left
+// A place that comes into view: at so much of loops.share a keyframe may speak for a correction, though not
+// alone. Walls that are there twice lead the tracker astray soon after.
+constexpr double kSuspicion = 0.5;
 constexpr double kConstraintFactor = 5;  // of refine.least_constraint: what holds a tie in every direction
 
 /// What a measured pose asks for: a transform of the world.
@@ -59,33 +63,8 @@ class KeyframeLoopCloser : public LoopCloser {
     const auto old = map_.candidate([this](std::size_t i) { return store_.has(i); });
     if (!old) return {};
     ++figures_.checks;
-    const std::optional<Pose> found = measure(*old, on_device, pose);
-    if (!found) {
-      next_check_ = map_.travelled() + kAfterNothing;
-      return {};
-    }
-    const PoseEdge tie = map_.tieOf(*old, *found);
-    const Correction correction{*found * pose.inverse(), pose};
-    const bool agrees =
-        correction.shift() < settings_.loops.tolerance && correction.turn() < settings_.loops.tolerance;
-    const auto pendingWithin = [&](double most) {
-      return pending_ && map_.travelled() - pending_->travelled < most;
-    };
-    if (agrees) {
-      ++figures_.agreements;
-      next_check_ = map_.travelled() + kAfterAgreement;
-      if (!pendingWithin(settings_.loops.min_travel) || pending_->correction.shift() < kJump) {
-        map_.tie(tie);
-        pending_.reset();
-        return {};
-      }
-    } else if (!pendingWithin(kPendingFor) || !correction.agreesWith(pending_->correction)) {
-      pending_ = Pending{correction, tie, map_.travelled()};
-      return {};
-    }
-    map_.tie(pending_->tie);
-    map_.tie(tie);
-    const Correction closed = std::exchange(pending_, {})->correction;
+    const std::optional<Finding> found = measure(*old, on_device, pose);
+    if (!found || !believe(*found)) return {};
     if (!map_.close()) {
       ++figures_.contradictions;
       next_check_ = map_.travelled() + kAfterAgreement;
@@ -93,11 +72,13 @@ class KeyframeLoopCloser : public LoopCloser {
     }
     ++figures_.closures;
     modelled_.reset();
-    return LoopClosure{store_.timestamp(*old), closed.shift(), closed.turn()};
+    suspected_.reset();
+    return LoopClosure{store_.timestamp(*old), found->correction.shift(), found->correction.turn()};
   }
 
   void breakOff() override {
     map_.breakOff();
+    suspected_.reset();
     pending_.reset();  // no way from there is left that could contradict it
   }
 
@@ -134,11 +115,41 @@ class KeyframeLoopCloser : public LoopCloser {
   }
 
  private:
-  struct Pending {
+  /// What a comparison with an old place found.
+  struct Finding {
     Correction correction;
     PoseEdge tie;
     double travelled;
+    bool sure;
   };
+
+  /// True where the ties, to which this was added, are to move the map now.
+  bool believe(const Finding& found) {
+    const Correction& c = found.correction;
+    const auto pendingWithin = [&](double most) {
+      return pending_ && found.travelled - pending_->travelled < most;
+    };
+    const bool again =
+        pendingWithin(kPendingFor) && c.agreesWith(pending_->correction) && (found.sure || pending_->sure);
+    const bool jumped = pendingWithin(settings_.loops.min_travel) && found.sure && pending_->sure &&
+                        pending_->correction.shift() > kJump &&
+                        c.shift() < kJumped * pending_->correction.shift();
+    if (again || jumped) {
+      map_.tie(std::exchange(pending_, {})->tie);
+      map_.tie(found.tie);
+      return true;
+    }
+    if (c.shift() >= settings_.loops.tolerance || c.turn() >= settings_.loops.tolerance) {
+      pending_ = found;
+      return false;
+    }
+    next_check_ = found.travelled + (found.sure ? kAfterAgreement : kAfterNothing);
+    if (!found.sure) return false;
+    ++figures_.agreements;
+    map_.tie(found.tie);
+    pending_.reset();
+    return false;
+  }
 
   void fuse(std::size_t keyframe, Volume& volume) {
     fuser_.recordFrame(recorder_, store_.frame(keyframe));
@@ -146,28 +157,37 @@ class KeyframeLoopCloser : public LoopCloser {
     fuser_.fuse(recorder_, volume, map_.pose(keyframe));
   }
 
-  bool confirms(const PoseFit& fit) const {
-    return fit.holds(settings_.loops.share, kConstraintFactor * settings_.refine.least_constraint);
-  }
-
   /// Pose of the frame in the map, from the old keyframe's surroundings alone; none where it does not fit.
-  std::optional<Pose> measure(std::size_t old, const PreprocessPass& frame, const Pose& estimate) {
+  std::optional<Finding> measure(std::size_t old, const PreprocessPass& frame, const Pose& estimate) {
     if (modelled_ != old) {
       small_.clear();
       for (const std::size_t i : map_.neighbours(old, [this](std::size_t k) { return store_.has(k); }))
         fuse(i, small_);
       modelled_ = old;
     }
-    const auto descend = [&](const Pose& start) {
-      refiner_.look(frame, settings_.refine.pixel_stride);
-      return refiner_.refine(small_, std::vector<Pose>{start}, settings_.refine.iterations, start)[0];
+    std::vector<Pose> starts{estimate};
+    if (suspected_) starts.push_back(suspected_->new_from_old_world * estimate);
+    const auto holds = [&](const PoseFit& fit, double share) {
+      return fit.holds(share, kConstraintFactor * settings_.refine.least_constraint);
     };
-    PoseFit fit = descend(estimate);
-    if (!confirms(fit))
-      fit = descend(locate(search_, refiner_, settings_.refine, frame, small_, std::vector<Pose>{estimate})
-                        .world_from_camera);
-    if (!confirms(fit)) return {};
-    return fit.world_from_camera;
+    const auto descend = [&](const std::vector<Pose>& from) {
+      refiner_.look(frame, settings_.refine.pixel_stride);
+      const std::vector<PoseFit> fits =
+          refiner_.refine(small_, from, settings_.refine.iterations, from.back());
+      return *std::min_element(fits.begin(), fits.end(),
+                               [](const PoseFit& a, const PoseFit& b) { return a.cost < b.cost; });
+    };
+    PoseFit fit = descend(starts);
+    if (!holds(fit, settings_.loops.share))
+      fit = descend({locate(search_, refiner_, settings_.refine, frame, small_, starts).world_from_camera});
+    suspected_.reset();
+    if (!holds(fit, kSuspicion * settings_.loops.share)) {
+      next_check_ = map_.travelled() + kAfterNothing;
+      return {};
+    }
+    const bool sure = holds(fit, settings_.loops.share);
+    suspected_ = Correction{fit.world_from_camera * estimate.inverse(), estimate};
+    return Finding{*suspected_, map_.tieOf(old, fit.world_from_camera, sure), map_.travelled(), sure};
   }
 
   const Settings settings_;
@@ -179,8 +199,9 @@ class KeyframeLoopCloser : public LoopCloser {
   Refiner refiner_;
   Volume small_;  ///< around the old keyframe modelled_
   std::optional<std::size_t> modelled_;
-  std::optional<Pending> pending_;
-  double next_check_ = 0;  ///< travelled until then
+  std::optional<Finding> pending_;       ///< drift that one keyframe told of
+  std::optional<Correction> suspected_;  ///< what the last comparison found, which starts the next
+  double next_check_ = 0;                ///< travelled until then
   LoopFigures figures_;
 };
 

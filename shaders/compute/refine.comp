@@ -27,6 +27,7 @@ layout(std430, binding = kRefineBindSums) writeonly restrict buffer Sums { float
 shared float s_sums[kRefineSums * kRefineGroup];
 
 const float kBackCosine = 0.2;   // grazing surfaces are noise on either side of 0
+const float kCloseDeviations = 2.0;
 const float kTruncated = 0.999;  // of a stored value: beyond, the voxel tells no distance
 
 float robust(float distance_) {
@@ -79,7 +80,7 @@ void main() {
     if (!usable) continue;
     add(sum[kRefineCostWeight], cost_weight);
     add(sum[kRefineUsable], 1.0);
-    add(sum[kRefineClose], abs(residual) < params.huber ? 1.0 : 0.0);
+    add(sum[kRefineClose], abs(residual) < max(params.huber, kCloseDeviations * noise) ? 1.0 : 0.0);
     // Beside what was not observed the step to there would look like a slope.
     if (near.largest >= kTruncated) continue;
     // The smooth gradient: that of a cell alone is so noisy that a flat wall seems to hold shifts along it.

@@ -164,6 +164,7 @@ TEST_P(Refine, ComparisonSeesAWrongCoefficient) {
   EXPECT_TRUE(differs(wrong([](auto& m) { m.noise.growth = 0; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.model_noise *= 1.01; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.turn_sense = -1; })));
+  EXPECT_TRUE(differs(wrong([](auto& m) { m.close_deviations *= 1.1; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.last_camera.cx += 3; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.last_camera.width = 100 * m.last_camera.width; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.last_from_world.translation().x() += 0.02; })));

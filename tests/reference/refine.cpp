@@ -125,7 +125,8 @@ Sums terms(const VoxelValues& values, const VoxelValues& weights, const Eigen::V
     out[27] = cost_weight * robust(residual, model.huber);
     out[29] = cost_weight;
     out[30] = 1;
-    out[31] = std::abs(residual) < model.huber ? 1 : 0;
+    const double usual = model.close_deviations * model.noise.deviation(z);
+    out[31] = std::abs(residual) < model.huber || std::abs(residual) < usual ? 1 : 0;
   }
   bound.tail<5>() = out.tail<5>();
   if (size) *size = bound;

@@ -15,8 +15,9 @@ struct RefineModel {
   double model_noise = 0;  ///< metres, of the surface in a voxel of weight 1
   bool front_only =
       false;  ///< points where the surface shows its back, looked at from the camera, are left out
-  double back_cosine = 0.2;  ///< of the angle between the surface's normal and the view, from where on
-  double turn_sense = 1;     ///< of the turns' derivatives; -1 only to be wrong
+  double back_cosine = 0.2;     ///< of the angle between the surface's normal and the view, from where on
+  double close_deviations = 2;  ///< of the depth's noise, within which a point is close to the surface
+  double turn_sense = 1;        ///< of the turns' derivatives; -1 only to be wrong
   Pose last_from_world = Pose::Identity();
   Intrinsics last_camera;
 };
@@ -32,7 +33,8 @@ struct SumRange {
 
 /// In this order: 21 of the upper triangle of J^T W J, row by row; 6 of J^T W r; the robust cost; the cost if
 /// no point read a distance; the cost weights of the points that read one; the number of these; how many of
-/// them are nearer than huber. Unknowns: shift in the world, turn about the camera's centre.
+/// them are close: nearer than huber, or than noise explains. Unknowns: shift in the world, turn about the
+/// camera's centre.
 constexpr int kRefineSums = 32;
 
 /// `weights`: what each voxel of `values` gathered.

@@ -1,6 +1,7 @@
 // A walk around a block in a furnished hall, which comes back to where it began.
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <opencv2/core.hpp>
 
@@ -65,15 +66,16 @@ inline constexpr int kRingFrames = 133;  // a lap and a fifth
 /// The walk, with a part where all depths read too far: the camera believes to have come further than it has.
 inline const std::vector<Frame>& ringFrames() {
   static const std::vector<Frame> frames = [] {
-    // It comes and goes over some frames, as drift does: what changes from one frame to the next is doubted.
-    constexpr double kTooFar = 0.05, kRamp = 8;
+    // It comes and goes slowly, as drift does: what changes from one frame to the next is doubted.
+    constexpr double kTooFar = 0.08;
     constexpr int kFirstScaled = 28, kScaledEnd = 83;
     const Scene scene = ringHall();
     const Tracer tracer(scene);
     std::vector<Frame> out;
-    for (int i = 0; i < kRingFrames; ++i)
-      out.push_back(ringFrame(
-          tracer, i, 1 + kTooFar * std::clamp(std::min(i - kFirstScaled, kScaledEnd - i) / kRamp, 0.0, 1.0)));
+    for (int i = 0; i < kRingFrames; ++i) {
+      const double part = std::clamp(double(i - kFirstScaled) / (kScaledEnd - kFirstScaled), 0.0, 1.0);
+      out.push_back(ringFrame(tracer, i, 1 + kTooFar * std::pow(std::sin(part * std::numbers::pi), 2)));
+    }
     return out;
   }();
   return frames;

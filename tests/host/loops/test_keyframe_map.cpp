@@ -53,8 +53,8 @@ TEST(KeyframeMap, OnlyOldKeyframesInReachAreRecognised) {
 
 TEST(KeyframeMap, NeighboursComeFromBothSidesButNotFromAcrossALoss) {
   KeyframeMap map = thereAndBack(0);
-  EXPECT_THAT(map.neighbours(5, any), ElementsAre(2, 3, 4, 5, 6, 7, 8));
-  EXPECT_THAT(map.neighbours(0, any), ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(map.neighbours(7, any), ElementsAre(3, 4, 5, 6, 7, 8, 9, 10, 11)) << "within loops.reach";
+  EXPECT_THAT(map.neighbours(0, any), ElementsAre(0, 1, 2, 3, 4));
   const std::size_t last = map.size() - 1;
   map.breakOff();
   map.add(at(2.5), true, true);
@@ -73,6 +73,39 @@ TEST(KeyframeMap, ClosingTakesAllFramesAlong) {
   for (std::size_t i = 1; i < after.size(); ++i) {
     EXPECT_LT(std::abs(after[i].translation().y()), 0.5 * 0.2) << i;
     EXPECT_LT((after[i].translation() - after[i - 1].translation()).norm(), 0.11) << "no jump at frame " << i;
+  }
+}
+
+// A single frame before a flat wall must not take up a whole loop's drift.
+TEST(KeyframeMap, AMotionIsAsLooseAsTheShareOfItThatFramesNotFirmMade) {
+  const auto shareOfFirstStep = [](double loose_from, double loose_to) {
+    KeyframeMap map{LoopSettings{}};
+    for (int i = 0; i <= 600; ++i) {  // a step of 1 cm at a time, the first 20 cm partly not firm
+      const double x = 0.01 * (i <= 300 ? i : 600 - i);
+      map.add(at(x), true, !(i <= 20 && x > loose_from && x <= loose_to));
+    }
+    map.tie(map.tieOf(0, at(0, 0.3)));
+    EXPECT_TRUE(map.close());
+    return map.pose(1).translation().y() / 0.3;
+  };
+  const double firm = shareOfFirstStep(1, 1), little = shareOfFirstStep(0, 0.015),
+               all = shareOfFirstStep(0, 1);
+  EXPECT_LT(little, 5 * firm);
+  EXPECT_GT(all, 10 * firm);
+}
+
+TEST(KeyframeMap, AStepThatWasTrackedFirmlyIsNoDrift) {
+  for (const bool firm : {true, false}) {
+    KeyframeMap map{LoopSettings{}};
+    const auto add = [&](int i, double drift, bool held) {
+      return map.add(at(0.1 * (80 - i), drift), true, held);
+    };
+    for (int i = 0; i <= 40; ++i) map.add(at(0.1 * i), true, true);
+    for (int i = 41; i <= 60; ++i) add(i, 0.4, true);
+    map.tie(map.tieOf(10, at(2)));
+    ASSERT_TRUE(add(62, 0, firm));
+    map.tie(map.tieOf(9, at(1.8)));
+    EXPECT_EQ(map.close(), !firm);
   }
 }
 

@@ -2,7 +2,10 @@
 // believes to have come further than it has. Without loop closure it does not come back to where it began.
 #include <sstream>
 
+#include "engine/recorder.h"
 #include "host/error.h"
+#include "host/frame_fuser.h"
+#include "host/loops/loop_closer.h"
 #include "host/run/report.h"
 #include "tests/engine/validating_device.h"
 #include "tests/host/loops/ring_walk.h"
@@ -73,9 +76,23 @@ void expectTold(const RunSummary& summary, const nlohmann::ordered_json& report)
   EXPECT_EQ(told, loops.at("closures"));
 }
 
+class RingWalk : public LoopClosing, public ::testing::WithParamInterface<const char*> {};
+
+// Graphics cards do not race (tracking.race_margin), which makes other errors and finds the loop elsewhere.
+INSTANTIATE_TEST_SUITE_P(LoopClosing, RingWalk,
+                         ::testing::Values("tracking.race_margin=2", "tracking.race_margin=0"),
+                         [](const auto& which) {
+                           return std::string(which.index == 0 ? "Racing" : "WithoutRacing");
+                         });
+
 // One case, because the walks are what takes time.
-TEST_F(LoopClosing, TakesOutTheDriftThatStaysWithoutIt) {
-  const Walk open = walk(ringSettings(false)), closed = walk(ringSettings(true));
+TEST_P(RingWalk, TakesOutTheDriftThatStaysWithoutIt) {
+  const auto settings = [](bool loops) {
+    Settings out = ringSettings(loops);
+    applyAssignment(out, GetParam());
+    return out;
+  };
+  const Walk open = walk(settings(false)), closed = walk(settings(true));
   std::size_t first = 0;
   while (first < kRingFrames && !closed.summary.frames[first].result.loop) {
     ASSERT_EQ(closed.live[first].matrix(), open.live[first].matrix())
@@ -84,37 +101,71 @@ TEST_F(LoopClosing, TakesOutTheDriftThatStaysWithoutIt) {
   }
   ASSERT_LT(first, kRingFrames - 2u) << "no loop was closed, or too late for what follows";
   EXPECT_GT(first, 90u) << "the camera comes back only then";
-  EXPECT_GT(closed.summary.frames[first].result.loop->shift, 0.1);
+  const double drift = errorAt(first - 1, open.live);
+  EXPECT_GT(drift, 0.2);
+  EXPECT_GT(closed.summary.frames[first].result.loop->shift, 0.8 * drift);
 
-  // With template seeds 1 to 6: 18 to 31 cm open, 3.3 to 5.2 cm closed, and at most a fifth of the former.
-  EXPECT_GT(meanError(open.poses, first), 0.1);
-  EXPECT_LT(meanError(closed.poses, first), 0.08);
-  EXPECT_LT(meanError(closed.poses, first), meanError(open.poses, first) / 3);
-  EXPECT_LT(meanError(closed.poses, 0), meanError(open.poses, 0))
+  // Later the open walk may find back by itself, by jumping onto the old map: its error then says nothing.
+  // With template seeds 1 to 6, racing or not: 36 to 40 cm drift, 2.7 to 5.1 cm once closed, and 7 to 11 of
+  // 22 cm over the whole way.
+  EXPECT_LT(meanError(closed.poses, first), drift / 5);
+  EXPECT_LT(meanError(closed.poses, 0), 0.6 * meanError(open.poses, 0))
       << "the way is corrected, not its end alone";
   EXPECT_LT(closed.blocks, open.blocks) << "walls that were there twice are there once";
   expectTold(closed.summary, closed.report);
   EXPECT_FALSE(open.report.contains("loops"));
 }
 
+/// What the loop closer makes of poses that drift to one side from frame 40 to 100, and from `jump` on are
+/// true.
+struct Jump {
+  std::optional<int> closed_at;
+  std::vector<Pose> believed, corrected;
+  LoopFigures figures;
+};
+Jump closeOver(Device& device, int jump, bool firm) {
+  Settings settings = ringSettings(true);
+  settings.loops.share = 0.4;  // so that the first keyframe that recognises the place is sure of it
+  TemplateOptions templates;
+  templates.sizes = {1024, 512, 256};
+  templates.count = 3;
+  const auto closer = makeLoopCloser(device, settings, kRingCamera, kRingUnits, generateTemplates(templates));
+  FrameFuser fuser(device, settings, kRingCamera, kRingUnits);
+  Recorder recorder(device);
+  const Scene scene = ringHall();
+  const Tracer tracer(scene);
+  Jump out;
+  for (int i = 0; i < kRingFrames && !out.closed_at; ++i) {
+    const double drift = i < jump ? 0.3 * std::clamp((i - 40) / 60.0, 0.0, 1.0) : 0;
+    out.believed.push_back(Eigen::Translation3d(drift, drift, 0) * ringPose(0).inverse() *
+                           ringPose(ringWay(i)));
+    const Frame frame = ringFrame(tracer, i, 1);
+    fuser.recordFrame(recorder, frame);
+    recorder.submit();
+    if (closer->add(frame, fuser.frame(), out.believed.back(), true, firm || i != jump)) out.closed_at = i;
+  }
+  out.corrected = closer->framePoses();
+  out.figures = closer->figures();
+  return out;
+}
+
 // Where what was seen long ago weighs more, the tracker leaves the new wall for the old one before two
 // keyframes have asked for it.
 TEST_F(LoopClosing, AJumpOntoTheOldMapBendsTheWayThatLedThere) {
-  const auto settings = [](bool loops) {
-    Settings out = ringSettings(loops);
-    out.refine.model_noise = 0.016;
-    return out;
-  };
-  const Walk open = walk(settings(false)), closed = walk(settings(true));
-  const auto loop = std::find_if(closed.summary.frames.begin(), closed.summary.frames.end(),
-                                 [](const RunFrame& f) { return f.result.loop.has_value(); });
-  ASSERT_NE(loop, closed.summary.frames.end());
-  const auto first = static_cast<std::size_t>(loop - closed.summary.frames.begin());
-  EXPECT_LT(errorAt(first, open.live), 0.05) << "the tracker did not jump";
-  EXPECT_GT(loop->result.loop->shift, 0.2);
-  // 12 against 16 cm.
-  EXPECT_LT(meanError(closed.poses, 0), 0.85 * meanError(open.poses, 0));
-  EXPECT_LT(meanError(closed.poses, first), 0.05);
+  const Jump drifting = closeOver(device(), kRingFrames, true);
+  ASSERT_TRUE(drifting.closed_at);
+  const int jump = *drifting.closed_at;  // one keyframe has asked for a correction, none will confirm it
+  const Jump jumping = closeOver(device(), jump, false);
+  ASSERT_TRUE(jumping.closed_at);
+  EXPECT_EQ(*jumping.closed_at, jump);
+  EXPECT_GT(errorAt(std::size_t(jump - 1), jumping.believed), 0.3);
+  EXPECT_LT(errorAt(std::size_t(jump - 1), jumping.corrected), 0.05);
+  EXPECT_LT(meanError(jumping.corrected, 0), 0.4 * meanError(jumping.believed, 0));
+
+  const Jump firm = closeOver(device(), jump, true);
+  EXPECT_FALSE(firm.closed_at) << "a step that the depth held is no jump";
+  EXPECT_EQ(firm.figures.contradictions, 1u);
+  EXPECT_LT((firm.corrected[50].translation() - firm.believed[50].translation()).norm(), 1e-9);
 }
 
 TEST_F(LoopClosing, FramesOfKnownPoseAreRefused) {
