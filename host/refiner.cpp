@@ -198,7 +198,7 @@ std::vector<PoseFit> Refiner::refine(const Volume& volume, std::span<const Pose>
   if (coloured_ && !asks_colour_ && volume.options().colour) {
     // Starts that are far off leave most of the points without a slope, and directions open for that alone.
     asks_colour_ = std::all_of(first.begin(), first.end(), [&](const Evaluation& at) {
-      return modelOf(at).constraint < kWeakConstraint * settings_.least_constraint;
+      return modelOf(at).constraint < kAsksColour * settings_.least_constraint;
     });
     if (asks_colour_) first = evaluate(volume, places);
   }

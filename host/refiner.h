@@ -17,6 +17,9 @@ inline constexpr int kVoxelsPerPoint = 27;  ///< that the descent reads
 /// Up to so many times refine.least_constraint errors of the model can still carry a pose along, and a wrong
 /// place seems to hold it (tests/bench/NOTES.md).
 inline constexpr double kWeakConstraint = 4;
+/// And up to so many, colour still holds a pose better than depth alone. Beyond, colour that was taken at
+/// another moment than its depth costs more than it brings.
+inline constexpr double kAsksColour = 12;
 
 /// `pose` shifted in the world by the first three of `step` and turned about its own centre by the last
 /// three, a rotation vector applied from the left.
@@ -49,8 +52,8 @@ class Refiner {
   void look(const PreprocessPass& frame, int stride, const std::optional<Pose>& last = {});
   /// Descends from each start; the results keep the starts' order. `expected`: the pose that the motion model
   /// speaks for; it decides in directions that neither depth nor, with refine.colour_weight, colour
-  /// constrains (refine.least_constraint). Once depth hardly holds any start of a call (kWeakConstraint),
-  /// colour is asked until the next look().
+  /// constrains (refine.least_constraint). Once depth holds no start of a call firmly (kAsksColour), colour is
+  /// asked until the next look().
   std::vector<PoseFit> refine(const Volume& volume, std::span<const Pose> starts, int iterations,
                               const Pose& expected);
   /// Points read since the last call of this, over all poses.

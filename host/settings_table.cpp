@@ -185,7 +185,7 @@ std::vector<SettingsField> makeTable() {
       row("refine.minimum_move", "m, rad", 0, 1, "a smaller step ends the descent",
           R(&RefineSettings::minimum_move)),
       row("refine.colour_weight", "", 0, 1000,
-          "what colour weighs beside depth where depth hardly holds a direction and the sequence has colour; "
+          "what colour weighs beside depth where depth holds a direction weakly and the sequence has colour; "
           "0: "
           "never asked",
           R(&RefineSettings::colour_weight)),
@@ -232,7 +232,10 @@ std::vector<SettingsField> makeTable() {
           L(&LoopSettings::memory_mb)),
       row("loops.min_travel", "m + rad", 0.1, 1e6, "younger keyframes are not looked at",
           L(&LoopSettings::min_travel)),
-      row("loops.reach", "m", 0.05, 100, "nor are those further away", L(&LoopSettings::reach)),
+      row("loops.reach", "m", 0.05, 100,
+          "nor are those further away that do not see the same; a small model is made of keyframes within "
+          "this",
+          L(&LoopSettings::reach)),
       row("loops.share", "", 0.1, 1, "a place is recognised when this share of the pixels meets what it was",
           L(&LoopSettings::share)),
       row("loops.tolerance", "m, rad", 1e-3, 10, "smaller drift is left alone", L(&LoopSettings::tolerance)),

@@ -28,13 +28,13 @@ jobs() {  # one per core, but no more than memory allows: a compiler takes up to
   fit=$(awk '/^MemAvailable/ {print int($2 / 1.5e6)}' /proc/meminfo 2>/dev/null || echo "$cores")
   echo $((fit < 1 ? 1 : fit < cores ? fit : cores))
 }
-build() {
+build() {  # PRESET [ARGUMENTS...]
   mkdir -p "build/$1"
   cmake --preset "$1" >"build/$1/configure.log" 2>&1 || {
     cat "build/$1/configure.log" >&2
     fail "the build '$1' could not be configured; the lines above name what is missing."
   }
-  cmake --build "build/$1" --parallel "$(jobs)" || fail "the build '$1' failed; see above."
+  cmake --build "build/$1" --parallel "$(jobs)" "${@:2}" || fail "the build '$1' failed; see above."
 }
 # A run that finds no test must not pass.
 # run BITS BUILD ARGUMENTS...: with vectors of so many bits. Mesa's cache of compiled shaders does not tell widths apart
@@ -59,15 +59,15 @@ run 256 ci
 
 # The variable is Mesa's software device's; no other device heeds it.
 if [[ -z "${ROSEFUSION_DEVICE:-}" ]]; then
-  step "Release: tests on the device, subgroups of 4"
-  run 128 ci --label-regex device
+  step "Release: tests of engine and pipeline, subgroups of 4"
+  run 128 ci --build-config Whole --label-regex whole.*subgroups
 fi
 
 if [[ $sanitizers == 1 ]]; then
   step "Sanitizers: build"
-  build asan
+  build asan --target short_tests
   step "Sanitizers: all tests but the long ones"
-  run 256 asan --label-exclude long
+  run 256 asan --build-config Whole --label-regex whole --label-exclude long
 fi
 
 step "All tests passed"

@@ -13,7 +13,8 @@ constexpr double kTieDeviation = 0.003, kUnsureTieDeviation = 0.01;
 constexpr double kMostStrain = 0.05;    // metres that a tie may be contradicted by
 constexpr double kMostDeviations = 10;  // and a tracked motion, if that is more: a jump is no drift
 constexpr double kViewTurn = 0.6;       // radians within which views overlap enough
-constexpr int kNeighbours = 8;          // to either side, within loops.reach
+constexpr double kEnoughOverlap = 0.4;
+constexpr int kNeighbours = 8;  // to either side, within loops.reach
 
 double turnBetween(const Pose& a, const Pose& b) {
   return Eigen::AngleAxisd(Eigen::Matrix3d(a.linear().transpose() * b.linear())).angle();
@@ -68,22 +69,28 @@ std::size_t KeyframeMap::nearest(const Pose& pose) const {
   return static_cast<std::size_t>(least - keyframes_.begin());
 }
 
-std::optional<std::size_t> KeyframeMap::candidate(const std::function<bool(std::size_t)>& usable) const {
+std::optional<std::size_t> KeyframeMap::candidate(const std::function<bool(std::size_t)>& usable,
+                                                  const std::function<double(std::size_t)>& overlap) const {
   const Keyframe& newest = keyframes_.back();
-  std::optional<std::size_t> best;
-  double least = 0;
+  std::optional<std::size_t> closest, widest;
+  double least = 0, most = kEnoughOverlap;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     const Keyframe& old = keyframes_[i];
     if (newest.travelled - old.travelled < settings_.min_travel) break;
+    if (!usable(i)) continue;
+    if (const double shared = overlap(i); shared > most) {
+      widest = i;
+      most = shared;
+    }
     const double shift = shiftBetween(old.world_from_camera, newest.world_from_camera);
     const double turn = turnBetween(old.world_from_camera, newest.world_from_camera);
-    if (shift > settings_.reach || turn > kViewTurn || !usable(i)) continue;
+    if (shift > settings_.reach || turn > kViewTurn) continue;
     const double distance = shift / settings_.reach + turn / kViewTurn;
-    if (best && distance >= least) continue;
-    best = i;
+    if (closest && distance >= least) continue;
+    closest = i;
     least = distance;
   }
-  return best;
+  return widest ? widest : closest;
 }
 
 std::vector<std::size_t> KeyframeMap::neighbours(std::size_t keyframe,

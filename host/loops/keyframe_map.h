@@ -24,9 +24,11 @@ class KeyframeMap {
   const Pose& pose(std::size_t keyframe) const { return keyframes_[keyframe].world_from_camera; }
   double travelled() const { return travelled_; }
 
-  /// The keyframe closest to the newest one's place and view among those passed loops.min_travel before, if
-  /// any is within reach. `usable` says which may be chosen.
-  std::optional<std::size_t> candidate(const std::function<bool(std::size_t)>& usable) const;
+  /// Among the keyframes passed loops.min_travel before, the one with the most to compare the newest with;
+  /// `overlap` says how much of it that is, 0 for a keyframe that may not be chosen. Where none has enough,
+  /// the closest in place and view, if any is within loops.reach: drift may have hidden what they share.
+  std::optional<std::size_t> candidate(const std::function<bool(std::size_t)>& usable,
+                                       const std::function<double(std::size_t)>& overlap) const;
   /// Keyframes that came shortly before and after this one and look about the same way, itself included.
   std::vector<std::size_t> neighbours(std::size_t keyframe,
                                       const std::function<bool(std::size_t)>& usable) const;

@@ -7,6 +7,7 @@
 #include "host/locate.h"
 #include "host/loops/keyframe_map.h"
 #include "host/loops/keyframe_store.h"
+#include "host/loops/keyframe_views.h"
 
 namespace rosefusion {
 namespace {
@@ -19,7 +20,8 @@ constexpr double kSameShift = 0.03, kSameTurn = 0.02, kSameShare = 0.1;
 constexpr double kPendingFor = 1;  // travelled between the two, of which one at least must be sure
 // A correction this large that is asked for no longer: the tracker has jumped onto the old map by itself.
 // Ties to both sides of the jump hold only where the way between is loose; elsewhere they contradict it.
-constexpr double kJump = 0.1, kJumped = 0.2;  // metres; the share of it that may be left
+constexpr double kJump = 0.08, kJumped = 0.25;  // metres; the share of it that may be left
+constexpr double kLever = 2.5;                  // metres from the camera to what a turn moves
 // A place that comes into view: at so much of loops.share a keyframe may speak for a correction, though not
 // alone. Walls that are there twice lead the tracker astray soon after.
 constexpr double kSuspicion = 0.5;
@@ -30,6 +32,8 @@ struct Correction {
   Pose new_from_old_world;
   Pose camera;  ///< before it
 
+  /// What it does to what the camera sees.
+  double size() const { return shift() + kLever * turn(); }
   double shift() const { return (new_from_old_world * camera.translation() - camera.translation()).norm(); }
   double turn() const { return rotationAngle(new_from_old_world); }
   bool agreesWith(const Correction& other) const {
@@ -47,6 +51,7 @@ class KeyframeLoopCloser : public LoopCloser {
       : settings_(settings),
         map_(settings.loops),
         store_(settings.loops.memory_mb << 20),
+        views_(intrinsics, settings.depth, depth_units_per_metre),
         recorder_(device),
         fuser_(device, settings, intrinsics, depth_units_per_metre),
         search_(device, settings, intrinsics, templates),
@@ -59,8 +64,11 @@ class KeyframeLoopCloser : public LoopCloser {
                                  bool fused, bool firm) override {
     if (!map_.add(pose, fused, firm)) return {};
     store_.add(frame, map_.travelled());
+    views_.add(frame.depth);
     if (map_.travelled() < next_check_) return {};
-    const auto old = map_.candidate([this](std::size_t i) { return store_.has(i); });
+    const auto old = map_.candidate(
+        [this](std::size_t i) { return store_.has(i); },
+        [&](std::size_t i) { return views_.overlap(map_.size() - 1, i, map_.pose(i).inverse() * pose); });
     if (!old) return {};
     ++figures_.checks;
     const std::optional<Finding> found = measure(*old, on_device, pose);
@@ -132,8 +140,8 @@ class KeyframeLoopCloser : public LoopCloser {
     const bool again =
         pendingWithin(kPendingFor) && c.agreesWith(pending_->correction) && (found.sure || pending_->sure);
     const bool jumped = pendingWithin(settings_.loops.min_travel) && found.sure && pending_->sure &&
-                        pending_->correction.shift() > kJump &&
-                        c.shift() < kJumped * pending_->correction.shift();
+                        pending_->correction.size() > kJump &&
+                        c.size() < kJumped * pending_->correction.size();
     if (again || jumped) {
       map_.tie(std::exchange(pending_, {})->tie);
       map_.tie(found.tie);
@@ -193,6 +201,7 @@ class KeyframeLoopCloser : public LoopCloser {
   const Settings settings_;
   KeyframeMap map_;
   KeyframeStore store_;
+  KeyframeViews views_;
   Recorder recorder_;
   FrameFuser fuser_;
   SwarmSearch search_;

@@ -17,6 +17,9 @@ Pose at(double x, double y = 0, double turn = 0) {
 bool any(std::size_t) {
   return true;
 }
+double unknown(std::size_t) {
+  return 0;
+}
 
 /// There and back along x, a step of 10 cm at a time; what is measured coming back drifts to y.
 KeyframeMap thereAndBack(double drift) {
@@ -40,15 +43,25 @@ TEST(KeyframeMap, AKeyframeIsWhereTheCameraHasMovedOrTurnedEnough) {
 
 TEST(KeyframeMap, OnlyOldKeyframesInReachAreRecognised) {
   const KeyframeMap map = thereAndBack(0.05);
-  EXPECT_THAT(map.candidate(any), Optional(0u));
-  EXPECT_THAT(map.candidate([](std::size_t i) { return i != 0; }), Optional(1u));
-  EXPECT_FALSE(thereAndBack(1.2).candidate(any)) << "beyond loops.reach";
+  EXPECT_THAT(map.candidate(any, unknown), Optional(0u));
+  EXPECT_THAT(map.candidate([](std::size_t i) { return i != 0; }, unknown), Optional(1u));
+  EXPECT_FALSE(thereAndBack(1.2).candidate(any, unknown)) << "beyond loops.reach";
   KeyframeMap turned = thereAndBack(0.05);
   turned.add(at(0, 0, 1), true, true);
-  EXPECT_FALSE(turned.candidate(any)) << "another view";
+  EXPECT_FALSE(turned.candidate(any, unknown)) << "another view";
   KeyframeMap young{LoopSettings{}};
   for (int i = 0; i < 8; ++i) young.add(at(0.2 * i), true, true);
-  EXPECT_FALSE(young.candidate(any)) << "passed just before";
+  EXPECT_FALSE(young.candidate(any, unknown)) << "passed just before";
+}
+
+TEST(KeyframeMap, ThePlaceThatSharesMostIsRecognisedWhereverItIs) {
+  const KeyframeMap map = thereAndBack(0.05);
+  const auto seen = [](std::size_t i) { return i == 12 ? 0.6 : i == 15 ? 0.5 : i + 1 == 41 ? 0.9 : 0.1; };
+  EXPECT_THAT(map.candidate(any, seen), Optional(12u)) << "the newest, which shares most, is too young";
+  EXPECT_THAT(map.candidate([](std::size_t i) { return i != 12; }, seen), Optional(15u));
+  EXPECT_THAT(map.candidate(any, [](std::size_t i) { return i == 12 ? 0.3 : 0; }), Optional(0u))
+      << "too little";
+  EXPECT_THAT(thereAndBack(1.2).candidate(any, seen), Optional(12u)) << "drift beyond loops.reach";
 }
 
 TEST(KeyframeMap, NeighboursComeFromBothSidesButNotFromAcrossALoss) {
