@@ -52,8 +52,8 @@ class Refiner {
   void look(const PreprocessPass& frame, int stride, const std::optional<Pose>& last = {});
   /// Descends from each start; the results keep the starts' order. `expected`: the pose that the motion model
   /// speaks for; it decides in directions that neither depth nor, with refine.colour_weight, colour
-  /// constrains (refine.least_constraint). Once depth holds no start of a call firmly (kAsksColour), colour is
-  /// asked until the next look().
+  /// constrains (refine.least_constraint). Once depth holds no start of a call firmly (kAsksColour), colour
+  /// is asked until the next look().
   std::vector<PoseFit> refine(const Volume& volume, std::span<const Pose> starts, int iterations,
                               const Pose& expected);
   /// Points read since the last call of this, over all poses.

@@ -29,7 +29,7 @@ const uint kRefineCost = 27u;        // robust cost, the most possible for point
 const uint kRefineMostCost = 28u;    // the same if no point had a distance
 const uint kRefineCostWeight = 29u;  // weights, in the cost, of the points that read a distance
 const uint kRefineUsable = 30u;  // points that read a distance: all eight voxels around inside the truncation
-const uint kRefineClose = 31u;   // of these, nearer to the surface than RefineParams.huber or the sensor's noise, twice
+const uint kRefineClose = 31u;   // of these, nearer to the surface than RefineParams.huber or twice the noise
 const uint kRefineSums = 32u;
 
 struct RefineCandidate {
