@@ -60,7 +60,7 @@ run 256 ci
 # The variable is Mesa's software device's; no other device heeds it.
 if [[ -z "${ROSEFUSION_DEVICE:-}" ]]; then
   step "Release: tests of engine and pipeline, subgroups of 4"
-  run 128 ci --build-config Whole --label-regex whole.*subgroups
+  run 128 ci --build-config Whole --label-regex 'whole.*subgroups'
 fi
 
 if [[ $sanitizers == 1 ]]; then

@@ -25,8 +25,8 @@ class KeyframeMap {
   double travelled() const { return travelled_; }
 
   /// Among the keyframes passed loops.min_travel before, the one with the most to compare the newest with;
-  /// `overlap` says how much of it that is, 0 for a keyframe that may not be chosen. Where none has enough,
-  /// the closest in place and view, if any is within loops.reach: drift may have hidden what they share.
+  /// `overlap` says which share of it that is, `usable` which may be chosen. Where none has enough, the
+  /// closest in place and view, if any is within loops.reach: drift may have hidden what they share.
   std::optional<std::size_t> candidate(const std::function<bool(std::size_t)>& usable,
                                        const std::function<double(std::size_t)>& overlap) const;
   /// Keyframes that came shortly before and after this one and look about the same way, itself included.

@@ -1,6 +1,5 @@
 #include "host/loops/keyframe_views.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace rosefusion {
