@@ -34,12 +34,15 @@ std::vector<Pose> posesOf(const std::vector<ScannedPose>& scanned) {
 
 TrackResult locate(SwarmSearch& search, Refiner& refiner, const RefineSettings& settings,
                    const PreprocessPass& frame, const Volume& volume, std::span<const Pose> centres,
-                   const SearchObserver& observer, std::span<const Pose> more) {
+                   std::size_t followed, const SearchObserver& observer, std::span<const Pose> more) {
   TrackResult result;
   std::vector<PoseFit> fits;
   std::vector<ScannedPose> scanned = search.scan(frame, volume, centres, kScanShift, kScanTurn);
   for (const ScannedPose& pose : scanned) result.lookups += pose.lookups;
+  std::vector<ScannedPose> expected(scanned.begin(), scanned.begin() + static_cast<std::ptrdiff_t>(followed));
+  scanned.erase(scanned.begin(), scanned.begin() + static_cast<std::ptrdiff_t>(followed));
   keepBest(scanned, kScanKept);
+  scanned.insert(scanned.begin(), expected.begin(), expected.end());
   refiner.look(frame, settings.coarse_pixel_stride);
   for (const Pose& start : posesOf(scanned)) {
     const SwarmResult found = search.search(frame, volume, start, start, observer);

@@ -6,7 +6,7 @@
 namespace rosefusion {
 namespace {
 
-constexpr double kLongest = 0.2;  // seconds that a velocity is believed
+constexpr double kLongestInterval = 0.2;  // seconds, between poses that make a velocity
 // A pause of so many of the usual intervals, and of so many seconds, in which the camera may have gone
 // anywhere.
 constexpr double kPauseIntervals = 5, kPause = 0.25;
@@ -30,13 +30,13 @@ bool MotionModel::isInterrupted(double timestamp) const {
   return passed > kPause && passed > kPauseIntervals * (last_->timestamp - before_->timestamp);
 }
 
-Pose MotionModel::predict(double timestamp) const {
+Pose MotionModel::predict(double timestamp, double longest) const {
   if (!last_) return Pose::Identity();
   Pose out = last_->world_from_camera;
   if (!before_) return out;
   const double passed = last_->timestamp - before_->timestamp;
-  if (passed > kLongest) return out;
-  const double share = std::clamp(timestamp - last_->timestamp, 0.0, kLongest) / passed;
+  if (passed > kLongestInterval) return out;
+  const double share = std::clamp(timestamp - last_->timestamp, 0.0, longest) / passed;
   out.translation() += share * (out.translation() - before_->world_from_camera.translation());
   const Eigen::AngleAxisd turn(
       Eigen::Matrix3d(out.linear() * before_->world_from_camera.linear().transpose()));

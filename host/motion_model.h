@@ -12,8 +12,8 @@ class MotionModel {
   /// Timestamps must grow; a pose with an older one starts anew.
   void add(const Pose& world_from_camera, double timestamp);
   /// The last pose carried on; as it is where no velocity is known. Velocities fade when nothing was added
-  /// for long.
-  Pose predict(double timestamp) const;
+  /// for longer than `longest` seconds.
+  Pose predict(double timestamp, double longest = 0.2) const;
   /// Whether frames seem to be missing before this time: it is far later than the last pose, by the time
   /// between the last two.
   bool isInterrupted(double timestamp) const;

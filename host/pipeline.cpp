@@ -212,11 +212,16 @@ void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure
     result.reason = "the frame fits nowhere in the model surely enough";
     return;
   }
-  unconfirmed_ = unsure ? kConfirmations : unconfirmed_ - 1;
-  result.status = TrackingStatus::Relocalised;
-  result.reason = tracker_.isLost() ? "found again; fused once the next frames agree"
-                                    : "a sudden change; fused once the next frames agree";
   result.world_from_camera = believed->world_from_camera;
+  unconfirmed_ = unsure ? kConfirmations : unconfirmed_ - 1;
+  if (unconfirmed_ == 0) {
+    result.status = TrackingStatus::Tracked;
+    return judgeConstraint(settings_.refine, result);
+  }
+  result.status = TrackingStatus::Relocalised;
+  result.reason = !unsure             ? "agrees with the frame before; fused once one more does"
+                  : tracker_.isLost() ? "found again; fused once the next frames agree"
+                                      : "a sudden change; fused once the next frames agree";
 }
 
 void Pipeline::track(const Frame& frame, FrameResult& result) {
@@ -228,9 +233,10 @@ void Pipeline::track(const Frame& frame, FrameResult& result) {
     return;
   }
   if (result.score.valid_share < settings_.tracking.min_valid_share) return judge(settings_.tracking, result);
-  const TrackResult found = tracker_.isLost() ? tracker_.find(fuser_.frame(), volume_, overview_.volume(),
-                                                              overview_.rotationsOf(frame.depth))
-                                              : tracker_.track(fuser_.frame(), volume_, result.timestamp);
+  const TrackResult found = tracker_.isLost()
+                                ? tracker_.find(fuser_.frame(), volume_, result.timestamp, overview_.volume(),
+                                                overview_.rotationsOf(frame.depth))
+                                : tracker_.track(fuser_.frame(), volume_, result.timestamp);
   result.iterations = found.iterations;
   result.lookups = found.lookups;
   result.fit = found.fit;

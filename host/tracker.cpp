@@ -16,6 +16,8 @@ constexpr double kSuspiciousFactor = 1.3, kSuspiciousExcess = 0.05;
 // to 0.21, a wrong one after 30 missing frames by 0.42 (tests/bench/NOTES.md).
 constexpr double kDoubtfulExcess = 0.3;
 
+constexpr double kCarriedOn = 1;  // seconds that a lost camera is surely looked for where its motion leads
+
 // A keyframe is added where none is within this; the surroundings of each are searched when lost.
 constexpr double kKeyframeShift = 0.4, kKeyframeTurn = 0.4;
 // Places from which the surroundings are searched from afar.
@@ -109,11 +111,14 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, do
   return result;
 }
 
-TrackResult Tracker::find(const PreprocessPass& frame, const Volume& volume, const Volume& overview,
-                          std::span<const Eigen::Matrix3d> rotations) {
-  std::vector<Pose> centres = keyframes_;
-  centres.push_back(last_);
+TrackResult Tracker::find(const PreprocessPass& frame, const Volume& volume, double timestamp,
+                          const Volume& overview, std::span<const Eigen::Matrix3d> rotations) {
+  std::vector<Pose> centres;
+  if (timestamp - last_timestamp_ <= kCarriedOn) centres = {last_, motion_.predict(timestamp, kCarriedOn)};
   if (told_) centres.push_back(asTold(last_));
+  const std::size_t expected = centres.size();
+  if (expected == 0) centres.push_back(last_);
+  centres.insert(centres.end(), keyframes_.begin(), keyframes_.end());
   // Places spread over the keyframes', those near the last pose first.
   std::vector<Eigen::Vector3d> places{last_.translation()}, others;
   for (const Pose& keyframe : keyframes_) others.push_back(keyframe.translation());
@@ -128,18 +133,23 @@ TrackResult Tracker::find(const PreprocessPass& frame, const Volume& volume, con
   std::uint64_t lookups = 0;
   if (!rotations.empty())
     more = locateWidely(search_, frame, overview, volume, places, rotations, lost_frames_++, lookups);
-  TrackResult result = locate(search_, refiner_, settings_.refine, frame, volume, centres, observer_, more);
+  TrackResult result =
+      locate(search_, refiner_, settings_.refine, frame, volume, centres, expected, observer_, more);
   result.lookups += lookups;
   return result;
 }
 
 bool Tracker::accept(const Pose& world_from_camera, double timestamp, bool fused) {
-  if (lost_) costs_.clear();
+  if (lost_) {
+    costs_.clear();
+    motion_.forget();
+  }
   lost_ = false;
   lost_frames_ = 0;
   told_ = CameraMotion{Pose::Identity(), true};
   motion_.add(world_from_camera, timestamp);
   last_ = world_from_camera;
+  last_timestamp_ = timestamp;
   return fused && !other_method_ && addKeyframe(last_);
 }
 
@@ -161,7 +171,6 @@ void Tracker::rebase(const Pose& world_from_last, std::span<const Pose> keyframe
 
 void Tracker::lose() {
   lost_ = !other_method_;
-  motion_.forget();
 }
 
 }  // namespace rosefusion

@@ -22,8 +22,8 @@ class Tracker {
   TrackResult track(const PreprocessPass& frame, const Volume& volume, double timestamp);
   /// The same for a lost camera: the whole model is searched, from afar in `overview`, with the camera turned
   /// in one of these ways.
-  TrackResult find(const PreprocessPass& frame, const Volume& volume, const Volume& overview,
-                   std::span<const Eigen::Matrix3d> rotations);
+  TrackResult find(const PreprocessPass& frame, const Volume& volume, double timestamp,
+                   const Volume& overview, std::span<const Eigen::Matrix3d> rotations);
   /// Tells that the frame at `timestamp` has this pose, and whether it was fused. True where that makes it a
   /// keyframe.
   bool accept(const Pose& world_from_camera, double timestamp, bool fused);
@@ -62,6 +62,7 @@ class Tracker {
   std::size_t lost_frames_ = 0;
   std::deque<double> costs_;  ///< of the last frames
   Pose last_ = Pose::Identity();
+  double last_timestamp_ = 0;
 };
 
 }  // namespace rosefusion
