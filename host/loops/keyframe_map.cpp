@@ -112,10 +112,20 @@ PoseEdge KeyframeMap::tieOf(std::size_t old, const Pose& world_from_newest, bool
                 sure ? kTieDeviation : kUnsureTieDeviation);
 }
 
-bool KeyframeMap::close() {
+bool KeyframeMap::meetsOld(double least, const std::function<double(std::size_t)>& overlap) const {
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+    if (keyframes_.back().travelled - keyframes_[i].travelled < settings_.min_travel) break;
+    if (overlap(i) >= least) return true;
+  }
+  return false;
+}
+
+bool KeyframeMap::close(std::span<const Pose> way) {
   std::vector<Pose> poses;
   for (const Keyframe& k : keyframes_) poses.push_back(k.world_from_camera);
   std::vector<PoseEdge> all = edges_;
+  for (std::size_t i = 1; i < way.size(); ++i)
+    all[edges_.size() - way.size() + i].first_from_second = way[i - 1].inverse() * way[i];
   all.insert(all.end(), ties_.begin(), ties_.end());
   const PoseEdge* const ties = all.data() + edges_.size();
   poses = optimisePoses(std::move(poses), all);
@@ -128,6 +138,7 @@ bool KeyframeMap::close() {
     return false;
   }
   for (std::size_t i = 0; i < keyframes_.size(); ++i) keyframes_[i].world_from_camera = poses[i];
+  std::copy_n(all.begin(), edges_.size(), edges_.begin());
   if (!frames_.empty()) last_ = framePoses().back();
   closed_ties_ = ties_.size();
   return true;

@@ -20,6 +20,9 @@ class KeyframeMap {
   /// The camera was lost: the next frames hang onto the keyframe nearest to where they were found.
   void breakOff() { broken_ = true; }
 
+  /// Whether the newest keyframe shares `least` with one that was passed loops.min_travel before.
+  bool meetsOld(double least, const std::function<double(std::size_t)>& overlap) const;
+
   std::size_t size() const { return keyframes_.size(); }
   const Pose& pose(std::size_t keyframe) const { return keyframes_[keyframe].world_from_camera; }
   double travelled() const { return travelled_; }
@@ -38,8 +41,9 @@ class KeyframeMap {
   /// Counts from the next close() on.
   void tie(const PoseEdge& edge) { ties_.push_back(edge); }
   /// Moves all keyframes to where the edges want them; false, and nothing is changed, where the newest ties
-  /// contradict older ones or what was tracked firmly. Then they are forgotten.
-  bool close();
+  /// contradict older ones or what was tracked firmly. Then they are forgotten. `way`: poses of the newest
+  /// keyframes, the last one included, whose motions replace the tracked ones.
+  bool close(std::span<const Pose> way = {});
   /// Poses of all frames added, in their order, as they are known now.
   std::vector<Pose> framePoses() const;
 

@@ -5,6 +5,7 @@
 
 #include "host/frame_fuser.h"
 #include "host/locate.h"
+#include "host/loops/fresh_way.h"
 #include "host/loops/keyframe_map.h"
 #include "host/loops/keyframe_store.h"
 #include "host/loops/keyframe_views.h"
@@ -25,6 +26,11 @@ constexpr double kLever = 2.5;                  // metres from the camera to wha
 // A place that comes into view: at so much of loops.share a keyframe may speak for a correction, though not
 // alone. Walls that are there twice lead the tracker astray soon after.
 constexpr double kSuspicion = 0.5;
+// The way is measured anew from the first glimpse of old surfaces on, until a comparison with them, for so
+// long.
+constexpr double kGlimpse = 0.05, kLongestGlimpse = 12;  // share of the image; travelled
+constexpr double kSlide = 0.04;                          // metres that it differs by
+constexpr std::size_t kRecent = 8;                       // keyframes that it begins with
 constexpr double kConstraintFactor = 5;  // of refine.least_constraint: what holds a tie in every direction
 
 /// What a measured pose asks for: a transform of the world.
@@ -58,22 +64,30 @@ class KeyframeLoopCloser : public LoopCloser {
         refiner_(device, settings, intrinsics),
         small_(device, {static_cast<float>(settings.volume.voxel_size),
                         static_cast<float>(settings.volume.truncation),
-                        static_cast<float>(settings.volume.max_weight)}) {}
+                        static_cast<float>(settings.volume.max_weight)}),
+        fresh_(device, settings, intrinsics, [this](std::size_t i, Volume& volume, const Pose& pose) {
+          if (store_.has(i)) fuse(i, volume, pose);
+        }) {}
 
   std::optional<LoopClosure> add(const Frame& frame, const PreprocessPass& on_device, const Pose& pose,
                                  bool fused, bool firm) override {
     if (!map_.add(pose, fused, firm)) return {};
     store_.add(frame, map_.travelled());
     views_.add(frame.depth);
+    followAnew(on_device);
     if (map_.travelled() < next_check_) return {};
     const auto old = map_.candidate(
         [this](std::size_t i) { return store_.has(i); },
         [&](std::size_t i) { return views_.overlap(map_.size() - 1, i, map_.pose(i).inverse() * pose); });
     if (!old) return {};
     ++figures_.checks;
-    const std::optional<Finding> found = measure(*old, on_device, pose);
-    if (!found || !believe(*found)) return {};
-    if (!map_.close()) {
+    std::optional<Finding> found = measure(*old, on_device, pose);
+    if (!found) return {};
+    const bool slid = hasSlid(*found);
+    if (!believe(*found)) return {};
+    const bool closed = slid ? map_.close(fresh_.poses()) : map_.close();
+    meet();
+    if (!closed) {
       ++figures_.contradictions;
       next_check_ = map_.travelled() + kAfterAgreement;
       return {};
@@ -87,6 +101,9 @@ class KeyframeLoopCloser : public LoopCloser {
   void breakOff() override {
     map_.breakOff();
     suspected_.reset();
+    fresh_.end();
+    met_ = false;
+    unbroken_from_ = map_.size();
     pending_.reset();  // no way from there is left that could contradict it
   }
 
@@ -103,7 +120,7 @@ class KeyframeLoopCloser : public LoopCloser {
   void rebuild(Volume& volume) override {
     volume.clear();
     for (std::size_t i = 0; i < store_.size(); ++i)
-      if (store_.has(i)) fuse(i, volume);
+      if (store_.has(i)) fuse(i, volume, map_.pose(i));
   }
 
   std::vector<Pose> framePoses() const override { return map_.framePoses(); }
@@ -147,7 +164,7 @@ class KeyframeLoopCloser : public LoopCloser {
       map_.tie(found.tie);
       return true;
     }
-    if (c.shift() >= settings_.loops.tolerance || c.turn() >= settings_.loops.tolerance) {
+    if (isDrift(c)) {
       pending_ = found;
       return false;
     }
@@ -156,13 +173,53 @@ class KeyframeLoopCloser : public LoopCloser {
     ++figures_.agreements;
     map_.tie(found.tie);
     pending_.reset();
+    meet();
     return false;
   }
 
-  void fuse(std::size_t keyframe, Volume& volume) {
+  /// Whether drift shows on the way measured anew, and there alone: the finding's correction is then that.
+  bool hasSlid(Finding& found) const {
+    if (fresh_.poses().empty() || !found.sure || isDrift(found.correction)) return false;
+    const Pose& camera = fresh_.poses().back();
+    const Correction& tracked = found.correction;
+    const Correction slide{tracked.new_from_old_world * tracked.camera * camera.inverse(), camera};
+    if (slide.size() < kSlide) return false;
+    found.correction = slide;
+    return true;
+  }
+
+  bool isDrift(const Correction& c) const {
+    return c.shift() >= settings_.loops.tolerance || c.turn() >= settings_.loops.tolerance;
+  }
+
+  /// The way from here on hangs on the old surfaces in view.
+  void meet() {
+    met_ = true;
+    fresh_.end();
+  }
+
+  void followAnew(const PreprocessPass& frame) {
+    const std::size_t newest = map_.size() - 1;
+    const Pose& pose = map_.pose(newest);
+    const bool glimpsed = map_.meetsOld(
+        kGlimpse, [&](std::size_t i) { return views_.overlap(newest, i, map_.pose(i).inverse() * pose); });
+    if (!glimpsed) met_ = false;
+    if (!glimpsed || met_ || newest <= unbroken_from_) return fresh_.end();
+    if (fresh_.poses().empty()) {
+      std::vector<Pose> recent;
+      for (std::size_t i = std::max(unbroken_from_, newest - std::min(newest, kRecent)); i < newest; ++i)
+        recent.push_back(map_.pose(i));
+      fresh_.begin(newest - recent.size(), recent);
+      fresh_from_ = map_.travelled();
+    }
+    if (map_.travelled() - fresh_from_ > kLongestGlimpse) return meet();
+    fresh_.step(frame, map_.pose(newest - 1).inverse() * pose);
+  }
+
+  void fuse(std::size_t keyframe, Volume& volume, const Pose& pose) {
     fuser_.recordFrame(recorder_, store_.frame(keyframe));
     recorder_.submit();
-    fuser_.fuse(recorder_, volume, map_.pose(keyframe));
+    fuser_.fuse(recorder_, volume, pose);
   }
 
   /// Pose of the frame in the map, from the old keyframe's surroundings alone; none where it does not fit.
@@ -170,7 +227,7 @@ class KeyframeLoopCloser : public LoopCloser {
     if (modelled_ != old) {
       small_.clear();
       for (const std::size_t i : map_.neighbours(old, [this](std::size_t k) { return store_.has(k); }))
-        fuse(i, small_);
+        fuse(i, small_, map_.pose(i));
       modelled_ = old;
     }
     std::vector<Pose> starts{estimate};
@@ -208,6 +265,10 @@ class KeyframeLoopCloser : public LoopCloser {
   Refiner refiner_;
   Volume small_;  ///< around the old keyframe modelled_
   std::optional<std::size_t> modelled_;
+  FreshWay fresh_;
+  double fresh_from_ = 0;                ///< travelled until it began
+  std::size_t unbroken_from_ = 0;        ///< keyframe after the last loss
+  bool met_ = false;                     ///< the old surfaces in view have been compared with
   std::optional<Finding> pending_;       ///< drift that one keyframe told of
   std::optional<Correction> suspected_;  ///< what the last comparison found, which starts the next
   double next_check_ = 0;                ///< travelled until then

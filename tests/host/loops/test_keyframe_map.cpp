@@ -122,6 +122,43 @@ TEST(KeyframeMap, AStepThatWasTrackedFirmlyIsNoDrift) {
   }
 }
 
+// The tracker slid back onto the old map: by what it says, nothing drifted.
+TEST(KeyframeMap, MotionsMeasuredAnewShowTheDriftThatASlideHid) {
+  constexpr double kDrift = 0.2;
+  const auto slidingMap = [](std::vector<Pose>& anew) {
+    KeyframeMap map{LoopSettings{}};
+    for (int i = 0; i <= 40; ++i) {
+      const double out = i <= 20 ? i : 40 - i, drifted = kDrift * std::min(i, 32) / 32;
+      map.add(at(0.2 * out, i <= 32 ? drifted : kDrift * (40 - i) / 8), true, true);
+      if (i >= 32) anew.push_back(at(0.2 * out, drifted));
+    }
+    map.tie(map.tieOf(0, map.pose(40)));
+    return map;
+  };
+  std::vector<Pose> anew;
+  KeyframeMap as_tracked = slidingMap(anew), measured = slidingMap(anew);
+  anew.resize(9);
+  ASSERT_TRUE(as_tracked.close());
+  EXPECT_NEAR(as_tracked.pose(32).translation().y(), kDrift, 1e-3);
+  ASSERT_TRUE(measured.close(anew));
+  EXPECT_LT(measured.pose(32).translation().y(), 0.3 * kDrift);
+  EXPECT_NEAR(measured.pose(40).translation().y(), 0, 0.01);
+  ASSERT_TRUE(measured.close()) << "they stay";
+  EXPECT_LT(measured.pose(32).translation().y(), 0.3 * kDrift);
+}
+
+TEST(KeyframeMap, TellsWhenTheNewestMeetsWhatWasPassedLongAgo) {
+  LoopSettings settings;
+  KeyframeMap map{settings};
+  for (int i = 0; i <= 40; ++i) map.add(at(0.2 * i), true, true);
+  const auto onlyWith = [](std::size_t keyframe) {
+    return [keyframe](std::size_t i) { return i == keyframe ? 0.1 : 0; };
+  };
+  EXPECT_TRUE(map.meetsOld(0.05, onlyWith(3)));
+  EXPECT_FALSE(map.meetsOld(0.2, onlyWith(3)));
+  EXPECT_FALSE(map.meetsOld(0.05, onlyWith(39))) << "that was passed just now";
+}
+
 TEST(KeyframeMap, FramesAfterAClosureHangOntoTheCorrectedPlace) {
   KeyframeMap map = thereAndBack(0.2);
   map.tie(map.tieOf(0, at(0)));

@@ -117,13 +117,13 @@ TEST_P(RingWalk, TakesOutTheDriftThatStaysWithoutIt) {
 }
 
 /// What the loop closer makes of poses that drift to one side from frame 40 to 100, and from `jump` on are
-/// true.
+/// true; before, they return to the truth within `slide` frames.
 struct Jump {
   std::optional<int> closed_at;
   std::vector<Pose> believed, corrected;
   LoopFigures figures;
 };
-Jump closeOver(Device& device, int jump, bool firm) {
+Jump closeOver(Device& device, int jump, bool firm, double most = 0.3, int slide = 0) {
   Settings settings = ringSettings(true);
   settings.loops.share = 0.4;  // so that the first keyframe that recognises the place is sure of it
   TemplateOptions templates;
@@ -136,7 +136,8 @@ Jump closeOver(Device& device, int jump, bool firm) {
   const Tracer tracer(scene);
   Jump out;
   for (int i = 0; i < kRingFrames && !out.closed_at; ++i) {
-    const double drift = i < jump ? 0.3 * std::clamp((i - 40) / 60.0, 0.0, 1.0) : 0;
+    const double left = slide ? std::clamp(double(jump - i) / slide, 0.0, 1.0) : i < jump;
+    const double drift = most * left * std::clamp((i - 40) / 60.0, 0.0, 1.0);
     out.believed.push_back(Eigen::Translation3d(drift, drift, 0) * ringPose(0).inverse() *
                            ringPose(ringWay(i)));
     const Frame frame = ringFrame(tracer, i, 1);
@@ -166,6 +167,22 @@ TEST_F(LoopClosing, AJumpOntoTheOldMapBendsTheWayThatLedThere) {
   EXPECT_FALSE(firm.closed_at) << "a step that the depth held is no jump";
   EXPECT_EQ(firm.figures.contradictions, 1u);
   EXPECT_LT((firm.corrected[50].translation() - firm.believed[50].translation()).norm(), 1e-9);
+}
+
+// It leaves it bit by bit, before any keyframe recognises the place: all comparisons find the camera where it
+// is thought to be, and only the way measured against recent keyframes tells of the drift.
+TEST_F(LoopClosing, ASlideOntoTheOldMapBendsTheWayThatLedThereToo) {
+  constexpr double kDrift = 0.08;
+  constexpr int kSlide = 12;
+  const Jump drifting = closeOver(device(), kRingFrames, true, kDrift);
+  ASSERT_TRUE(drifting.closed_at);
+  const Jump sliding = closeOver(device(), *drifting.closed_at - 2, true, kDrift, kSlide);
+  ASSERT_TRUE(sliding.closed_at);
+  EXPECT_EQ(sliding.figures.closures, 1u);
+  const std::size_t before = std::size_t(*drifting.closed_at - 2 - kSlide);
+  EXPECT_GT(errorAt(before, sliding.believed), 0.1);
+  EXPECT_LT(errorAt(before, sliding.corrected), 0.05);
+  EXPECT_LT(meanError(sliding.corrected, 0), 0.5 * meanError(sliding.believed, 0));
 }
 
 TEST_F(LoopClosing, FramesOfKnownPoseAreRefused) {
