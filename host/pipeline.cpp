@@ -179,12 +179,15 @@ bool Pipeline::isIntruded(const FrameResult& result) {
            result.fit->holds(settings_.tracking.relocalised_share, settings_.refine.least_constraint));
 }
 
-std::optional<PoseFit> Pipeline::believe(const Frame& frame, const TrackResult& found, double share) const {
+std::optional<PoseFit> Pipeline::believe(const Frame& frame, const TrackResult& found, bool unsure) const {
   const double intruding = settings_.tracking.intruding_share;
+  // A frame that agrees with the one found before it may see more that is new, and past motion holds it too.
+  const double share = (unsure ? 1 : kShareOfNext) * settings_.tracking.relocalised_share;
+  const double constraint = (unsure ? kWeakConstraint : 1) * settings_.refine.least_constraint;
   std::optional<PoseFit> believed;
   const auto consider = [&](const PoseFit& fit) {
     const Pose& pose = fit.world_from_camera;
-    if (!fit.holds(share, kWeakConstraint * settings_.refine.least_constraint) ||
+    if (!fit.holds(share, constraint) ||
         seen_through_.shareOfAll(frame.depth, pose) > kIntrudingWhenFound * intruding ||
         seen_through_.shareMissing(frame.depth, pose) > intruding)
       return true;
@@ -201,9 +204,7 @@ std::optional<PoseFit> Pipeline::believe(const Frame& frame, const TrackResult& 
 
 /// Once lost or in doubt, several frames must agree before one is fused.
 void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result) {
-  // A frame that agrees with the one found before it may see more that is new.
-  const double share = settings_.tracking.relocalised_share;
-  const std::optional<PoseFit> believed = believe(frame, found, unsure ? share : kShareOfNext * share);
+  const std::optional<PoseFit> believed = believe(frame, found, unsure);
   if (believed) result.fit = believed;
   result.intruding = seen_through_.shareOfAll(frame.depth, result.fit->world_from_camera);
   if (!believed) {

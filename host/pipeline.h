@@ -81,8 +81,9 @@ class Pipeline {
  private:
   void track(const Frame& frame, FrameResult& result);
   /// Of the poses found, least cost first, the one that everything seen speaks for: the image shows what
-  /// should be there and nothing where there was nothing. None where two places would do.
-  std::optional<PoseFit> believe(const Frame& frame, const TrackResult& found, double share) const;
+  /// should be there and nothing where there was nothing. None where two places would do. `unsure`: nothing
+  /// else speaks for it.
+  std::optional<PoseFit> believe(const Frame& frame, const TrackResult& found, bool unsure) const;
   void confirm(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result);
   bool isIntruded(const FrameResult& result);
   void closeLoops(const Frame& frame, FrameResult& result);
