@@ -181,13 +181,12 @@ bool Pipeline::isIntruded(const FrameResult& result) {
 
 std::optional<PoseFit> Pipeline::believe(const Frame& frame, const TrackResult& found, bool unsure) const {
   const double intruding = settings_.tracking.intruding_share;
-  // A frame that agrees with the one found before it may see more that is new, and past motion holds it too.
+  // A frame that agrees with the one found before it may see more that is new.
   const double share = (unsure ? 1 : kShareOfNext) * settings_.tracking.relocalised_share;
-  const double constraint = (unsure ? kWeakConstraint : 1) * settings_.refine.least_constraint;
   std::optional<PoseFit> believed;
   const auto consider = [&](const PoseFit& fit) {
     const Pose& pose = fit.world_from_camera;
-    if (!fit.holds(share, constraint) ||
+    if (!fit.holds(share, kWeakConstraint * settings_.refine.least_constraint) ||
         seen_through_.shareOfAll(frame.depth, pose) > kIntrudingWhenFound * intruding ||
         seen_through_.shareMissing(frame.depth, pose) > intruding)
       return true;
