@@ -39,10 +39,10 @@ TrackResult locate(SwarmSearch& search, Refiner& refiner, const RefineSettings& 
   std::vector<PoseFit> fits;
   std::vector<ScannedPose> scanned = search.scan(frame, volume, centres, kScanShift, kScanTurn);
   for (const ScannedPose& pose : scanned) result.lookups += pose.lookups;
-  std::vector<ScannedPose> expected(scanned.begin(), scanned.begin() + static_cast<std::ptrdiff_t>(followed));
-  scanned.erase(scanned.begin(), scanned.begin() + static_cast<std::ptrdiff_t>(followed));
-  keepBest(scanned, kScanKept);
-  scanned.insert(scanned.begin(), expected.begin(), expected.end());
+  std::vector<ScannedPose> others(scanned.begin() + static_cast<std::ptrdiff_t>(followed), scanned.end());
+  keepBest(others, kScanKept);
+  scanned.resize(followed);
+  scanned.insert(scanned.end(), others.begin(), others.end());
   refiner.look(frame, settings.coarse_pixel_stride);
   for (const Pose& start : posesOf(scanned)) {
     const SwarmResult found = search.search(frame, volume, start, start, observer);

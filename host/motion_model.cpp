@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
 
 namespace rosefusion {
 namespace {
@@ -22,6 +23,10 @@ void MotionModel::add(const Pose& world_from_camera, double timestamp) {
 void MotionModel::rebase(const Pose& new_from_old_world) {
   for (std::optional<Stamped>* pose : {&last_, &before_})
     if (*pose) (*pose)->world_from_camera = new_from_old_world * (*pose)->world_from_camera;
+}
+
+double MotionModel::secondsSince(double timestamp) const {
+  return last_ ? timestamp - last_->timestamp : std::numeric_limits<double>::infinity();
 }
 
 bool MotionModel::isInterrupted(double timestamp) const {

@@ -14,6 +14,8 @@ class MotionModel {
   /// The last pose carried on; as it is where no velocity is known. Velocities fade when nothing was added
   /// for longer than `longest` seconds.
   Pose predict(double timestamp, double longest = 0.2) const;
+  /// Since the last pose; infinite where there is none.
+  double secondsSince(double timestamp) const;
   /// Whether frames seem to be missing before this time: it is far later than the last pose, by the time
   /// between the last two.
   bool isInterrupted(double timestamp) const;

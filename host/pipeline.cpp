@@ -216,6 +216,7 @@ void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure
   unconfirmed_ = unsure ? kConfirmations : unconfirmed_ - 1;
   if (unconfirmed_ == 0) {
     result.status = TrackingStatus::Tracked;
+    result.score = tracker_.score(fuser_.frame(), volume_, result.world_from_camera);
     return judgeConstraint(settings_.refine, result);
   }
   result.status = TrackingStatus::Relocalised;

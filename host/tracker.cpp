@@ -16,7 +16,7 @@ constexpr double kSuspiciousFactor = 1.3, kSuspiciousExcess = 0.05;
 // to 0.21, a wrong one after 30 missing frames by 0.42 (tests/bench/NOTES.md).
 constexpr double kDoubtfulExcess = 0.3;
 
-constexpr double kCarriedOn = 1;  // seconds that a lost camera is surely looked for where its motion leads
+constexpr double kCarriedOn = 1;  // seconds that a lost camera is expected where its motion leads
 
 // A keyframe is added where none is within this; the surroundings of each are searched when lost.
 constexpr double kKeyframeShift = 0.4, kKeyframeTurn = 0.4;
@@ -113,11 +113,13 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, do
 
 TrackResult Tracker::find(const PreprocessPass& frame, const Volume& volume, double timestamp,
                           const Volume& overview, std::span<const Eigen::Matrix3d> rotations) {
+  // Where it is expected is followed, whatever the keyframes' surroundings promise.
+  const bool soon = motion_.secondsSince(timestamp) <= kCarriedOn;
   std::vector<Pose> centres;
-  if (timestamp - last_timestamp_ <= kCarriedOn) centres = {last_, motion_.predict(timestamp, kCarriedOn)};
   if (told_) centres.push_back(asTold(last_));
-  const std::size_t expected = centres.size();
-  if (expected == 0) centres.push_back(last_);
+  if (soon) centres.push_back(motion_.predict(timestamp, kCarriedOn));
+  centres.push_back(last_);
+  const std::size_t expected = centres.size() - (soon ? 0 : 1);
   centres.insert(centres.end(), keyframes_.begin(), keyframes_.end());
   // Places spread over the keyframes', those near the last pose first.
   std::vector<Eigen::Vector3d> places{last_.translation()}, others;
@@ -149,7 +151,6 @@ bool Tracker::accept(const Pose& world_from_camera, double timestamp, bool fused
   told_ = CameraMotion{Pose::Identity(), true};
   motion_.add(world_from_camera, timestamp);
   last_ = world_from_camera;
-  last_timestamp_ = timestamp;
   return fused && !other_method_ && addKeyframe(last_);
 }
 

@@ -62,7 +62,6 @@ class Tracker {
   std::size_t lost_frames_ = 0;
   std::deque<double> costs_;  ///< of the last frames
   Pose last_ = Pose::Identity();
-  double last_timestamp_ = 0;
 };
 
 }  // namespace rosefusion

@@ -7,18 +7,14 @@ namespace {
 
 constexpr double kLeastShare = 0.3;  // of the image that must read a distance, else the tracked motion counts
 
-VolumeOptions optionsOf(const VolumeSettings& s) {
-  return {static_cast<float>(s.voxel_size), static_cast<float>(s.truncation),
-          static_cast<float>(s.max_weight), s.colour};
-}
-
 }  // namespace
 
-FreshWay::FreshWay(Device& device, const Settings& settings, const Intrinsics& intrinsics, Fuse fuse)
+FreshWay::FreshWay(Device& device, const Settings& settings, const Intrinsics& intrinsics,
+                   const VolumeOptions& volume, Fuse fuse)
     : settings_(settings.refine),
       fuse_(std::move(fuse)),
       refiner_(device, settings, intrinsics),
-      recent_(device, optionsOf(settings.volume)) {}
+      recent_(device, volume) {}
 
 void FreshWay::begin(std::size_t first, std::span<const Pose> keyframes) {
   recent_.clear();

@@ -15,7 +15,8 @@ class FreshWay {
   /// Fuses a keyframe, as if taken from there.
   using Fuse = std::function<void(std::size_t keyframe, Volume& volume, const Pose& world_from_camera)>;
 
-  FreshWay(Device& device, const Settings& settings, const Intrinsics& intrinsics, Fuse fuse);
+  FreshWay(Device& device, const Settings& settings, const Intrinsics& intrinsics,
+           const VolumeOptions& volume, Fuse fuse);
 
   /// From the last of these keyframes on, of which `first` is the first one's number.
   void begin(std::size_t first, std::span<const Pose> keyframes);

@@ -33,6 +33,11 @@ constexpr double kSlide = 0.04;                          // metres that it diffe
 constexpr std::size_t kRecent = 8;                       // keyframes that it begins with
 constexpr double kConstraintFactor = 5;  // of refine.least_constraint: what holds a tie in every direction
 
+VolumeOptions optionsOf(const VolumeSettings& s, bool colour) {
+  return {static_cast<float>(s.voxel_size), static_cast<float>(s.truncation),
+          static_cast<float>(s.max_weight), colour};
+}
+
 /// What a measured pose asks for: a transform of the world.
 struct Correction {
   Pose new_from_old_world;
@@ -62,12 +67,11 @@ class KeyframeLoopCloser : public LoopCloser {
         fuser_(device, settings, intrinsics, depth_units_per_metre),
         search_(device, settings, intrinsics, templates),
         refiner_(device, settings, intrinsics),
-        small_(device, {static_cast<float>(settings.volume.voxel_size),
-                        static_cast<float>(settings.volume.truncation),
-                        static_cast<float>(settings.volume.max_weight)}),
-        fresh_(device, settings, intrinsics, [this](std::size_t i, Volume& volume, const Pose& pose) {
-          if (store_.has(i)) fuse(i, volume, pose);
-        }) {}
+        small_(device, optionsOf(settings.volume, false)),
+        fresh_(device, settings, intrinsics, optionsOf(settings.volume, settings.volume.colour),
+               [this](std::size_t i, Volume& volume, const Pose& pose) {
+                 if (store_.has(i)) fuse(i, volume, pose);
+               }) {}
 
   std::optional<LoopClosure> add(const Frame& frame, const PreprocessPass& on_device, const Pose& pose,
                                  bool fused, bool firm) override {
@@ -83,9 +87,10 @@ class KeyframeLoopCloser : public LoopCloser {
     ++figures_.checks;
     std::optional<Finding> found = measure(*old, on_device, pose);
     if (!found) return {};
-    const bool slid = hasSlid(*found);
+    const std::optional<Correction> slide = slideOf(*found);
+    if (slide) found->correction = *slide;
     if (!believe(*found)) return {};
-    const bool closed = slid ? map_.close(fresh_.poses()) : map_.close();
+    const bool closed = slide ? map_.close(fresh_.poses()) : map_.close();
     meet();
     if (!closed) {
       ++figures_.contradictions;
@@ -177,15 +182,13 @@ class KeyframeLoopCloser : public LoopCloser {
     return false;
   }
 
-  /// Whether drift shows on the way measured anew, and there alone: the finding's correction is then that.
-  bool hasSlid(Finding& found) const {
-    if (fresh_.poses().empty() || !found.sure || isDrift(found.correction)) return false;
+  /// Drift that shows on the way measured anew, and there alone.
+  std::optional<Correction> slideOf(const Finding& found) const {
+    if (fresh_.poses().empty() || !found.sure || isDrift(found.correction)) return {};
     const Pose& camera = fresh_.poses().back();
     const Correction& tracked = found.correction;
     const Correction slide{tracked.new_from_old_world * tracked.camera * camera.inverse(), camera};
-    if (slide.size() < kSlide) return false;
-    found.correction = slide;
-    return true;
+    return slide.size() < kSlide ? std::nullopt : std::optional(slide);
   }
 
   bool isDrift(const Correction& c) const {
@@ -198,6 +201,8 @@ class KeyframeLoopCloser : public LoopCloser {
     fresh_.end();
   }
 
+  /// Measures the newest keyframe's pose anew while there are old surfaces in view that it was not yet
+  /// compared with.
   void followAnew(const PreprocessPass& frame) {
     const std::size_t newest = map_.size() - 1;
     const Pose& pose = map_.pose(newest);

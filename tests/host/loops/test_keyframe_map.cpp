@@ -135,9 +135,8 @@ TEST(KeyframeMap, MotionsMeasuredAnewShowTheDriftThatASlideHid) {
     map.tie(map.tieOf(0, map.pose(40)));
     return map;
   };
-  std::vector<Pose> anew;
-  KeyframeMap as_tracked = slidingMap(anew), measured = slidingMap(anew);
-  anew.resize(9);
+  std::vector<Pose> anew, unused;
+  KeyframeMap as_tracked = slidingMap(unused), measured = slidingMap(anew);
   ASSERT_TRUE(as_tracked.close());
   EXPECT_NEAR(as_tracked.pose(32).translation().y(), kDrift, 1e-3);
   ASSERT_TRUE(measured.close(anew));
@@ -148,8 +147,7 @@ TEST(KeyframeMap, MotionsMeasuredAnewShowTheDriftThatASlideHid) {
 }
 
 TEST(KeyframeMap, TellsWhenTheNewestMeetsWhatWasPassedLongAgo) {
-  LoopSettings settings;
-  KeyframeMap map{settings};
+  KeyframeMap map{LoopSettings{}};
   for (int i = 0; i <= 40; ++i) map.add(at(0.2 * i), true, true);
   const auto onlyWith = [](std::size_t keyframe) {
     return [keyframe](std::size_t i) { return i == keyframe ? 0.1 : 0; };

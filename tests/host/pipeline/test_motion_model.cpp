@@ -123,6 +123,9 @@ TEST(MotionModel, LongGapsAreNotBridged) {
   const double speed = (moving(1).translation() - moving(0).translation()).norm();
   EXPECT_GT(carried, 0.1 * speed);
   EXPECT_LT(carried, 0.5 * speed);
+  EXPECT_LT(distance(lost.predict(0.6, 1), moving(0.6)), 100 * kExact) << "as long as is asked for";
+  EXPECT_NEAR(lost.secondsSince(0.53), 0.5, 1e-9);
+  EXPECT_GT(MotionModel().secondsSince(0.53), 1e9);
 }
 
 TEST(MotionModel, ForgottenVelocitiesAreNotUsed) {
