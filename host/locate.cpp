@@ -7,16 +7,8 @@ namespace {
 
 constexpr double kScanShift = 0.5, kScanTurn = 0.25;
 constexpr std::size_t kScanKept = 3;
+constexpr int kFromAfar = 2;                         // times as far apart are the pixels looked at
 constexpr double kSameShift = 0.1, kSameTurn = 0.1;  // of two descents to one pose
-
-// From afar: axis lengths of the swarms, in metres and of the quaternion's imaginary part, and how many go
-// on.
-struct Narrowing {
-  double shift, turn;
-};
-constexpr Narrowing kWide{3, 0.04}, kInOverview[] = {{0.4, 0.06}, {0.15, 0.04}}, kInModel{0.07, 0.03};
-constexpr std::size_t kPlacements = 192;  // of the widest swarm for one frame
-constexpr std::size_t kWideKept = 24, kDescents = 6;
 
 void keepBest(std::vector<ScannedPose>& scanned, std::size_t most) {
   std::stable_sort(scanned.begin(), scanned.end(),
@@ -69,30 +61,13 @@ TrackResult locate(SwarmSearch& search, Refiner& refiner, const RefineSettings& 
   return result;
 }
 
-std::vector<Pose> locateWidely(SwarmSearch& search, const PreprocessPass& frame, const Volume& overview,
-                               const Volume& volume, std::span<const Eigen::Vector3d> places,
-                               std::span<const Eigen::Matrix3d> rotations, std::size_t turn,
-                               std::uint64_t& lookups) {
-  const std::size_t all = places.size() * rotations.size();
-  std::vector<Pose> placements;
-  for (std::size_t i = 0; i < std::min(all, kPlacements); ++i) {
-    const std::size_t k = (turn * kPlacements + i) % all;
-    Pose pose = Pose::Identity();
-    pose.translation() = places[k / rotations.size()];
-    pose.linear() = rotations[k % rotations.size()];
-    placements.push_back(pose);
-  }
-  std::vector<ScannedPose> found;
-  const auto scan = [&](const Volume& model, const Narrowing& n, std::size_t keep) {
-    found = search.scan(frame, model, placements, n.shift, n.turn, turn);
-    for (const ScannedPose& pose : found) lookups += pose.lookups;
-    keepBest(found, keep);
-    placements = posesOf(found);
-  };
-  scan(overview, kWide, kWideKept);
-  for (const Narrowing& n : kInOverview) scan(overview, n, kWideKept);
-  scan(volume, kInModel, kDescents);
-  return placements;
+std::vector<Pose> narrowDown(Refiner& refiner, const RefineSettings& settings, const PreprocessPass& frame,
+                             const Volume& overview, std::vector<Pose> places) {
+  refiner.look(frame, kFromAfar * settings.coarse_pixel_stride);
+  for (Pose& place : places)
+    place = refiner.refine(overview, std::vector<Pose>{place}, settings.coarse_iterations, place)[0]
+                .world_from_camera;
+  return places;
 }
 
 }  // namespace rosefusion

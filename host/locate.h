@@ -15,12 +15,9 @@ TrackResult locate(SwarmSearch& search, Refiner& refiner, const RefineSettings& 
                    std::size_t followed = 0, const SearchObserver& observer = {},
                    std::span<const Pose> more = {});
 
-/// The same from afar: poses with these rotations, metres away from the places, narrowed down in the coarse
-/// model `overview` and then in `volume`. `turn` counts the calls while the camera is lost: where there are
-/// too many places for one frame, each call looks at others, and begins with the first.
-std::vector<Pose> locateWidely(SwarmSearch& search, const PreprocessPass& frame, const Volume& overview,
-                               const Volume& volume, std::span<const Eigen::Vector3d> places,
-                               std::span<const Eigen::Matrix3d> rotations, std::size_t turn,
-                               std::uint64_t& lookups);
+/// Poses within some centimetres and degrees of where the camera may be, let down in the coarse model
+/// `overview`: what locate() takes as `more`.
+std::vector<Pose> narrowDown(Refiner& refiner, const RefineSettings& settings, const PreprocessPass& frame,
+                             const Volume& overview, std::vector<Pose> places);
 
 }  // namespace rosefusion

@@ -4,9 +4,9 @@ namespace rosefusion {
 namespace {
 
 constexpr float kCoarser = 4;        // than the model's voxels
-constexpr float kTruncation = 0.4f;  // a swarm of 3072 particles over a ball of 2 m finds this
-constexpr std::size_t kNormalsOfFrame = 200, kDirectionsOfView = 5, kDirectionsOfModel = 20, kRotations = 48;
-
+constexpr float kTruncation = 0.4f;  // places within this descend to the surface
+constexpr std::size_t kPatchesOfFrame = 200, kDirectionsOfView = 5, kDirectionsOfModel = 20, kRotations = 48;
+constexpr std::size_t kPlaces = 1000;
 constexpr double kShareOfView = 0.04, kShareOfModel = 0.008;
 
 VolumeOptions optionsOf(const VolumeSettings& s) {
@@ -30,19 +30,33 @@ cv::Mat Overview::metresOf(const cv::Mat& depth) const {
   return metres;
 }
 
-void Overview::add(FrameFuser& fuser, Recorder& recorder, const cv::Mat& depth,
-                   const Pose& world_from_camera) {
+void Overview::add(FrameFuser& fuser, Recorder& recorder, const cv::Mat& depth, const Pose& world_from_camera,
+                   std::size_t frame) {
   fuser.fuse(recorder, volume_, world_from_camera);
-  const std::vector<Eigen::Vector3d> normals = surfaceNormals(metresOf(depth), camera_);
-  const std::size_t every = std::max<std::size_t>(1, normals.size() / kNormalsOfFrame);
-  for (std::size_t i = 0; i < normals.size(); i += every)
-    normals_.push_back(world_from_camera.linear() * normals[i]);
+  const std::vector<SurfacePatch> patches = surfacePatches(metresOf(depth), camera_);
+  const std::size_t every = std::max<std::size_t>(1, patches.size() / kPatchesOfFrame);
+  View& view = views_.emplace_back(View{{}, frame});
+  for (std::size_t i = 0; i < patches.size(); i += every) view.patches.push_back(patches[i]);
+  place(view, world_from_camera);
 }
 
-std::vector<Eigen::Matrix3d> Overview::rotationsOf(const cv::Mat& depth) const {
-  return agreeingRotations(
-      dominantDirections(surfaceNormals(metresOf(depth), camera_), kShareOfView, kDirectionsOfView),
-      dominantDirections(normals_, kShareOfModel, kDirectionsOfModel), kRotations);
+void Overview::place(const View& view, const Pose& world_from_camera) {
+  for (const SurfacePatch& patch : view.patches)
+    patches_.push_back({world_from_camera * patch.point, world_from_camera.linear() * patch.normal});
+}
+
+Volume& Overview::rebase(std::span<const Pose> frame_poses) {
+  patches_.clear();
+  for (const View& view : views_) place(view, frame_poses[view.frame]);
+  return volume_;
+}
+
+std::vector<AgreeingPose> Overview::placesOf(const cv::Mat& depth) const {
+  const std::vector<SurfacePatch> view = surfacePatches(metresOf(depth), camera_);
+  const auto rotations = agreeingRotations(
+      dominantDirections(normalsOf(view), kShareOfView, kDirectionsOfView),
+      dominantDirections(normalsOf(patches_), kShareOfModel, kDirectionsOfModel), kRotations);
+  return agreeingPoses(view, patches_, rotations, kPlaces);
 }
 
 }  // namespace rosefusion

@@ -1,8 +1,9 @@
 // What a lost camera is looked for in from afar: a coarse model of the scene, whose surfaces draw poses in
-// from further away than the model's own, and the directions they face.
+// from further away than the model's own, and where
+// they lie and face.
 #pragma once
+#include "host/agreeing_places.h"
 #include "host/frame_fuser.h"
-#include "host/surface_directions.h"
 
 namespace rosefusion {
 
@@ -11,14 +12,17 @@ class Overview {
  public:
   Overview(Device& device, const Settings& settings, const Intrinsics& camera, double depth_units_per_metre);
 
-  /// Adds the frame (see Frame::depth) that `fuser` holds, at its pose.
-  void add(FrameFuser& fuser, Recorder& recorder, const cv::Mat& depth, const Pose& world_from_camera);
+  /// Adds the frame (see Frame::depth) that `fuser` holds, at its pose. `frame`: its number, for rebase().
+  void add(FrameFuser& fuser, Recorder& recorder, const cv::Mat& depth, const Pose& world_from_camera,
+           std::size_t frame);
   /// Voxels and truncation are several times those of the model proper. No colour.
   const Volume& volume() const { return volume_; }
-  /// To be made anew after a correction of the map, whose turns are too small to change the directions.
-  Volume& volume() { return volume_; }
-  /// How the camera may be turned for its image to face what is known: world_from_camera, likeliest first.
-  std::vector<Eigen::Matrix3d> rotationsOf(const cv::Mat& depth) const;
+  /// After a correction of the map: every frame's pose, by its number. The volume is the caller's to make
+  /// anew.
+  Volume& rebase(std::span<const Pose> frame_poses);
+  /// Where the camera may be for the surfaces in its image to lie on what is known: world_from_camera, within
+  /// some centimetres and degrees, the likeliest first.
+  std::vector<AgreeingPose> placesOf(const cv::Mat& depth) const;
 
  private:
   cv::Mat metresOf(const cv::Mat& depth) const;
@@ -27,7 +31,13 @@ class Overview {
   DepthSettings range_;
   double units_;
   Volume volume_;
-  std::vector<Eigen::Vector3d> normals_;  ///< in the world, some of each frame
+  struct View {
+    std::vector<SurfacePatch> patches;  ///< in the camera's frame
+    std::size_t frame;
+  };
+  void place(const View& view, const Pose& world_from_camera);
+  std::vector<View> views_;
+  std::vector<SurfacePatch> patches_;  ///< of all views, in the world
 };
 
 }  // namespace rosefusion

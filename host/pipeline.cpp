@@ -69,8 +69,16 @@ void judge(const TrackingSettings& limits, FrameResult& result) {
 
 constexpr double kIntrudingWhenFound = 0.5;
 constexpr double kShareOfNext = 0.5;
-constexpr double kElsewhere = 0.3;  // metres and radians: two places that look alike are none
-constexpr int kConfirmations = 2;   // frames after the one that was found again
+// Where a place contradicts nothing that was seen, less of the image need be known: right poses of kidnapped
+// flights have .97, .06 and .2 of these at worst, wrong ones .96, .2 and 1 at best (tests/bench/NOTES.md).
+constexpr struct {
+  double close, through, missing;  ///< of what reads a distance; of tracking.intruding_share
+  double share;                    ///< then asked for, of what is asked for otherwise
+} kFirm{0.95, 0.2, 0.4, 0.6};
+constexpr double kElsewhere = 0.3;    // metres and radians: two places that look alike are none
+constexpr std::size_t kPlaces = 48;   // from afar, looked at closely
+constexpr double kThroughCounts = 2;  // against a place, for every patch that meets the model
+constexpr int kConfirmations = 2;     // frames after the one that was found again
 
 // The noise of colours feigns slopes: worked out for a model of one image of a white wall, 3 m away, it seems
 // to hold the pose by 4 times refine.least_constraint.
@@ -145,11 +153,12 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
   if (result.fused) {
     const StageTimer timer(result.milliseconds.integrate);
     fuser_.fuse(recorder_, volume_, result.world_from_camera);
-    seen_through_.keep(frame.depth, result.world_from_camera);
+    seen_through_.keep(frame.depth, result.world_from_camera, posed_frames_);
     started_ = true;
   }
   if (tracker_.accept(result.world_from_camera, result.timestamp, result.fused))
-    overview_.add(fuser_, recorder_, frame.depth, result.world_from_camera);
+    overview_.add(fuser_, recorder_, frame.depth, result.world_from_camera, posed_frames_);
+  ++posed_frames_;
   if (loops_) closeLoops(frame, result);
   return result;
 }
@@ -160,10 +169,11 @@ void Pipeline::closeLoops(const Frame& frame, FrameResult& result) {
                             result.status == TrackingStatus::Tracked);
   if (!result.loop) return;
   loops_->rebuild(volume_);
-  result.world_from_camera = loops_->framePoses().back();
+  const std::vector<Pose> poses = loops_->framePoses();
+  result.world_from_camera = poses.back();
   tracker_.rebase(result.world_from_camera, loops_->keyframePoses());
-  loops_->rebuild(overview_.volume());
-  seen_through_.forget();  // where its images were taken has changed
+  loops_->rebuild(overview_.rebase(poses));
+  seen_through_.rebase(poses);
 }
 
 void Pipeline::finish() {
@@ -179,6 +189,18 @@ bool Pipeline::isIntruded(const FrameResult& result) {
            result.fit->holds(settings_.tracking.relocalised_share, settings_.refine.least_constraint));
 }
 
+std::vector<Pose> Pipeline::likelyPlaces(const Frame& frame) const {
+  std::vector<AgreeingPose> places = overview_.placesOf(frame.depth);
+  for (AgreeingPose& place : places)
+    place.met -= kThroughCounts * seen_through_.glance(frame.depth, place.world_from_camera);
+  std::stable_sort(places.begin(), places.end(),
+                   [](const AgreeingPose& a, const AgreeingPose& b) { return a.met > b.met; });
+  std::vector<Pose> poses;
+  for (const AgreeingPose& place : places)
+    if (poses.size() < kPlaces) poses.push_back(place.world_from_camera);
+  return poses;
+}
+
 std::optional<PoseFit> Pipeline::believe(const Frame& frame, const TrackResult& found, bool unsure) const {
   const double intruding = settings_.tracking.intruding_share;
   // A frame that agrees with the one found before it may see more that is new.
@@ -186,10 +208,15 @@ std::optional<PoseFit> Pipeline::believe(const Frame& frame, const TrackResult& 
   std::optional<PoseFit> believed;
   const auto consider = [&](const PoseFit& fit) {
     const Pose& pose = fit.world_from_camera;
-    if (!fit.holds(share, kWeakConstraint * settings_.refine.least_constraint) ||
-        seen_through_.shareOfAll(frame.depth, pose) > kIntrudingWhenFound * intruding ||
-        seen_through_.shareMissing(frame.depth, pose) > intruding)
-      return true;
+    const double constraint = kWeakConstraint * settings_.refine.least_constraint;
+    if (!fit.holds(kFirm.share * share, constraint)) return true;
+    const double through = seen_through_.shareOfAll(frame.depth, pose);
+    if (through > kIntrudingWhenFound * intruding) return true;
+    const double missing = seen_through_.shareMissing(frame.depth, pose);
+    if (missing > intruding) return true;
+    const bool firm = fit.close >= kFirm.close * fit.usable && through <= kFirm.through * intruding &&
+                      missing <= kFirm.missing * intruding;
+    if (!firm && fit.usable < share) return true;
     if (!believed) believed = fit;
     return areNear(believed->world_from_camera, pose, kElsewhere, kElsewhere);
   };
@@ -234,10 +261,9 @@ void Pipeline::track(const Frame& frame, FrameResult& result) {
     return;
   }
   if (result.score.valid_share < settings_.tracking.min_valid_share) return judge(settings_.tracking, result);
-  const TrackResult found = tracker_.isLost()
-                                ? tracker_.find(fuser_.frame(), volume_, result.timestamp, overview_.volume(),
-                                                overview_.rotationsOf(frame.depth))
-                                : tracker_.track(fuser_.frame(), volume_, result.timestamp);
+  const TrackResult found = tracker_.isLost() ? tracker_.find(fuser_.frame(), volume_, result.timestamp,
+                                                              overview_.volume(), likelyPlaces(frame))
+                                              : tracker_.track(fuser_.frame(), volume_, result.timestamp);
   result.iterations = found.iterations;
   result.lookups = found.lookups;
   result.fit = found.fit;
@@ -280,13 +306,14 @@ void Pipeline::requireFixedPoses() const {
 }
 
 void Pipeline::accept(const Pose& world_from_camera, double timestamp, const cv::Mat& depth) {
-  if (!depth.empty()) seen_through_.keep(depth, world_from_camera);
+  if (!depth.empty()) seen_through_.keep(depth, world_from_camera, posed_frames_);
   started_ = true;
   unconfirmed_ = 0;
+  const std::size_t number = posed_frames_++;
   if (!tracker_.accept(world_from_camera, timestamp, true) || depth.empty()) return;
   fuser_.recordFrame(recorder_, Frame{timestamp, depth, {}, {}});
   recorder_.submit();
-  overview_.add(fuser_, recorder_, depth, world_from_camera);
+  overview_.add(fuser_, recorder_, depth, world_from_camera, number);
 }
 
 }  // namespace rosefusion

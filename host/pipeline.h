@@ -80,6 +80,8 @@ class Pipeline {
 
  private:
   void track(const Frame& frame, FrameResult& result);
+  /// Where the surfaces in the image lie on known ones and not where there was nothing: for a lost camera.
+  std::vector<Pose> likelyPlaces(const Frame& frame) const;
   /// Of the poses found, least cost first, the one that everything seen speaks for: the image shows what
   /// should be there and nothing where there was nothing. None where two places would do. `unsure`: nothing
   /// else speaks for it.
@@ -100,6 +102,7 @@ class Pipeline {
   SeenThrough seen_through_;
   Overview overview_;                  ///< of the keyframes
   std::unique_ptr<LoopCloser> loops_;  ///< with loops.enabled
+  std::size_t posed_frames_ = 0;       ///< so far, as the loop closer counts them
   bool started_ = false;
   bool intruded_ = false;
   int unconfirmed_ = 0;  ///< frames that must still agree before frames are fused again

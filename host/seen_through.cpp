@@ -11,6 +11,8 @@ constexpr int kStride = 8;      // of the pixels asked about
 constexpr int kKeptStride = 4;  // of those remembered
 // How far before the surface that was seen there something must be, in metres and as a share of its depth.
 constexpr double kMargin = 0.1, kMarginShare = 0.05;
+constexpr int kGlances = 10;  // over the image's width
+constexpr double kGlanceMargin = 2.5;
 // A view is worth keeping where none is within this.
 constexpr double kViewShift = 0.4, kViewTurn = 0.4;
 
@@ -29,15 +31,25 @@ SeenThrough::View SeenThrough::shrunk(const cv::Mat& depth, const Pose& world_fr
   return {small, world_from_camera, world_from_camera.inverse()};
 }
 
-void SeenThrough::keep(const cv::Mat& depth, const Pose& world_from_camera) {
+void SeenThrough::keep(const cv::Mat& depth, const Pose& world_from_camera, std::size_t frame) {
   last_ = shrunk(depth, world_from_camera);
+  last_.frame = frame;
   if (std::none_of(keyframes_.begin(), keyframes_.end(), [&](const View& view) {
         return areNear(view.world_from_camera, world_from_camera, kViewShift, kViewTurn);
       }))
     keyframes_.push_back(last_);
 }
 
-bool SeenThrough::seesThrough(const View& view, const Eigen::Vector3d& world) const {
+void SeenThrough::rebase(std::span<const Pose> frame_poses) {
+  const auto move = [&](View& view) {
+    view.world_from_camera = frame_poses[view.frame];
+    view.camera_from_world = view.world_from_camera.inverse();
+  };
+  if (!last_.depth.empty()) move(last_);
+  for (View& view : keyframes_) move(view);
+}
+
+bool SeenThrough::seesThrough(const View& view, const Eigen::Vector3d& world, double margin) const {
   const Eigen::Vector3d p = view.camera_from_world * world;
   if (p.z() <= 0) return false;
   const Eigen::Vector2d pixel = camera_.project(p) / kKeptStride;
@@ -48,7 +60,7 @@ bool SeenThrough::seesThrough(const View& view, const Eigen::Vector3d& world) co
   const int u = static_cast<int>(pixel.x()), v = static_cast<int>(pixel.y());
   const auto at = [&](int x, int y) { return view.depth.at<float>(y, x); };
   const double nearest = std::min({at(u, v), at(u + 1, v), at(u, v + 1), at(u + 1, v + 1)});
-  return nearest - p.z() > std::max(kMargin, kMarginShare * p.z());
+  return nearest - p.z() > margin * std::max(kMargin, kMarginShare * p.z());
 }
 
 bool SeenThrough::shows(const View& view, const Eigen::Vector3d& world) const {
@@ -61,10 +73,11 @@ bool SeenThrough::shows(const View& view, const Eigen::Vector3d& world) const {
 }
 
 template <typename Test>
-double SeenThrough::shareWhere(const cv::Mat& depth, const Pose& world_from_camera, const Test& test) const {
+double SeenThrough::shareWhere(const cv::Mat& depth, const Pose& world_from_camera, int stride,
+                               const Test& test) const {
   int valid = 0, through = 0;
-  for (int v = kStride / 2; v < depth.rows; v += kStride)
-    for (int u = kStride / 2; u < depth.cols; u += kStride) {
+  for (int v = stride / 2; v < depth.rows; v += stride)
+    for (int u = stride / 2; u < depth.cols; u += stride) {
       const double z = metresAt(depth, u, v);
       if (z == 0) continue;
       ++valid;
@@ -75,15 +88,23 @@ double SeenThrough::shareWhere(const cv::Mat& depth, const Pose& world_from_came
 
 double SeenThrough::shareOfLast(const cv::Mat& depth, const Pose& world_from_camera) const {
   if (last_.depth.empty()) return 0;
-  return shareWhere(depth, world_from_camera,
+  return shareWhere(depth, world_from_camera, kStride,
                     [&](const Eigen::Vector3d& world) { return seesThrough(last_, world); });
 }
 
 double SeenThrough::shareOfAll(const cv::Mat& depth, const Pose& world_from_camera) const {
-  return shareWhere(depth, world_from_camera, [&](const Eigen::Vector3d& world) {
+  return shareWhere(depth, world_from_camera, kStride, [&](const Eigen::Vector3d& world) {
     return std::any_of(keyframes_.begin(), keyframes_.end(),
                        [&](const View& view) { return seesThrough(view, world); });
   });
+}
+
+double SeenThrough::glance(const cv::Mat& depth, const Pose& world_from_camera) const {
+  return shareWhere(
+      depth, world_from_camera, std::max(kStride, depth.cols / kGlances), [&](const Eigen::Vector3d& world) {
+        return std::any_of(keyframes_.begin(), keyframes_.end(),
+                           [&](const View& view) { return seesThrough(view, world, kGlanceMargin); });
+      });
 }
 
 double SeenThrough::shareMissing(const cv::Mat& depth, const Pose& world_from_camera) const {

@@ -2,6 +2,7 @@
 // surface where an earlier image showed nothing.
 #pragma once
 #include <opencv2/core/mat.hpp>
+#include <span>
 #include <vector>
 
 #include "host/camera.h"
@@ -18,14 +19,17 @@ class SeenThrough {
       : camera_(camera), range_(range), units_(depth_units_per_metre) {}
 
   /// Keeps a depth image (as Frame::depth) of the static scene and its pose, to compare later ones with.
-  void keep(const cv::Mat& depth, const Pose& world_from_camera);
-  /// What was kept is no longer true, as after a correction of the map.
-  void forget() { *this = SeenThrough(camera_, range_, units_); }
+  /// `frame`: its number, for rebase().
+  void keep(const cv::Mat& depth, const Pose& world_from_camera, std::size_t frame);
+  /// After a correction of the map: every frame's pose, by its number.
+  void rebase(std::span<const Pose> frame_poses);
   /// Share of the valid pixels (every 8th is looked at) whose surface lies in space that the last kept image
   /// saw to be empty. 0 before any is kept.
   double shareOfLast(const cv::Mat& depth, const Pose& world_from_camera) const;
   /// The same for all that was kept.
   double shareOfAll(const cv::Mat& depth, const Pose& world_from_camera) const;
+  /// The same of few pixels, for a pose that may be off by a decimetre and some degrees.
+  double glance(const cv::Mat& depth, const Pose& world_from_camera) const;
   /// The other way round: of the surfaces in all that was kept and that should now be in view, the share that
   /// the image looks through. Small where the pose is right and the scene unchanged.
   double shareMissing(const cv::Mat& depth, const Pose& world_from_camera) const;
@@ -34,15 +38,16 @@ class SeenThrough {
   struct View {
     cv::Mat depth;  ///< CV_32F metres of every 4th pixel; 0 where invalid
     Pose world_from_camera = Pose::Identity(), camera_from_world = Pose::Identity();
+    std::size_t frame = 0;
   };
   View shrunk(const cv::Mat& depth, const Pose& world_from_camera) const;
   /// Whether the view shows a surface at this point.
   bool shows(const View& view, const Eigen::Vector3d& world) const;
   double metresAt(const cv::Mat& depth, int u, int v) const;
   /// Whether the view shows nothing but surfaces well behind this point, a pixel of its own around.
-  bool seesThrough(const View& view, const Eigen::Vector3d& world) const;
+  bool seesThrough(const View& view, const Eigen::Vector3d& world, double margin = 1) const;
   template <typename Test>
-  double shareWhere(const cv::Mat& depth, const Pose& world_from_camera, const Test& test) const;
+  double shareWhere(const cv::Mat& depth, const Pose& world_from_camera, int stride, const Test& test) const;
 
   Intrinsics camera_;
   DepthSettings range_;

@@ -35,12 +35,12 @@ double explained(const Eigen::Matrix3d& rotation, std::span<const SurfaceDirecti
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> surfaceNormals(const cv::Mat& depth, const Intrinsics& camera) {
+std::vector<SurfacePatch> surfacePatches(const cv::Mat& depth, const Intrinsics& camera) {
   const int step = std::max(1, depth.cols / kAcross), reach = std::max(2, depth.cols / 40);
   const auto point = [&](int u, int v) -> Eigen::Vector3d {
     return camera.unproject(u, v, depth.at<float>(v, u));
   };
-  std::vector<Eigen::Vector3d> normals;
+  std::vector<SurfacePatch> patches;
   for (int v = reach; v + reach < depth.rows; v += step)
     for (int u = reach; u + reach < depth.cols; u += step) {
       const Eigen::Vector3d middle = point(u, v), left = point(u - reach, v), right = point(u + reach, v),
@@ -53,8 +53,15 @@ std::vector<Eigen::Vector3d> surfaceNormals(const cv::Mat& depth, const Intrinsi
       };
       if (off(left, right) > most || off(above, below) > most) continue;
       const Eigen::Vector3d normal = (right - left).cross(below - above).normalized();
-      normals.push_back(normal.dot(middle) < 0 ? normal : Eigen::Vector3d(-normal));
+      patches.push_back({middle, normal.dot(middle) < 0 ? normal : Eigen::Vector3d(-normal)});
     }
+  return patches;
+}
+
+std::vector<Eigen::Vector3d> normalsOf(std::span<const SurfacePatch> patches) {
+  std::vector<Eigen::Vector3d> normals;
+  normals.reserve(patches.size());
+  for (const SurfacePatch& patch : patches) normals.push_back(patch.normal);
   return normals;
 }
 

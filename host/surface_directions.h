@@ -14,9 +14,15 @@ struct SurfaceDirection {
   double share = 0;        ///< of the normals that lie around it
 };
 
-/// Unit normals towards the camera, in its frame, of places spread evenly over a depth image (CV_32F metres,
-/// 0 where invalid) that are flat over a twentieth of its width.
-std::vector<Eigen::Vector3d> surfaceNormals(const cv::Mat& depth, const Intrinsics& camera);
+/// A flat piece of a surface.
+struct SurfacePatch {
+  Eigen::Vector3d point, normal;  ///< unit length, towards the camera
+};
+
+/// Patches, in the camera's frame, of places spread evenly over a depth image (CV_32F metres, 0 where
+/// invalid) that are flat over a twentieth of its width.
+std::vector<SurfacePatch> surfacePatches(const cv::Mat& depth, const Intrinsics& camera);
+std::vector<Eigen::Vector3d> normalsOf(std::span<const SurfacePatch> patches);
 
 /// Those that at least `least_share` of the normals lie around, at most `most`, the commonest first.
 std::vector<SurfaceDirection> dominantDirections(std::span<const Eigen::Vector3d> normals, double least_share,

@@ -74,13 +74,9 @@ SwarmResult SwarmSearch::search(const PreprocessPass& frame, const Volume& volum
 }
 
 std::vector<ScannedPose> SwarmSearch::scan(const PreprocessPass& frame, const Volume& volume,
-                                           std::span<const Pose> poses, double shift, double turn,
-                                           std::size_t serial) {
+                                           std::span<const Pose> poses, double shift, double turn) {
   const std::size_t level = settings_.swarm.levels.size() / 2;
-  const SwarmTemplate& swarm_template = templates_.at(level, serial);
-  const auto offset =
-      level_offsets_[level] +
-      static_cast<std::uint32_t>(serial % templates_.levels[level].size() * swarm_template.particles.size());
+  const SwarmTemplate& swarm_template = templates_.at(level, 0);
   Vector6 lengths;
   lengths << Eigen::Vector3d::Constant(shift), Eigen::Vector3d::Constant(turn);
   const int stride = settings_.swarm.levels.front().pixel_stride;
@@ -88,9 +84,10 @@ std::vector<ScannedPose> SwarmSearch::scan(const PreprocessPass& frame, const Vo
   evaluator_.recorder.submit();
   std::vector<ScannedPose> found;
   for (const Pose& pose : poses) {
-    evaluator_.fitness.record(evaluator_.recorder, volume, evaluator_.select,
-                              {toShader(pose), shaderLengths(lengths, 0), shaderLengths(lengths, 3), offset,
-                               static_cast<std::uint32_t>(swarm_template.particles.size())});
+    evaluator_.fitness.record(
+        evaluator_.recorder, volume, evaluator_.select,
+        {toShader(pose), shaderLengths(lengths, 0), shaderLengths(lengths, 3), level_offsets_[level],
+         static_cast<std::uint32_t>(swarm_template.particles.size())});
     evaluator_.recorder.submit();
     const auto losses = evaluator_.fitness.losses();
     ScannedPose best;

@@ -43,11 +43,9 @@ class SwarmSearch {
   SwarmResult search(const PreprocessPass& frame, const Volume& volume, const Pose& start, const Pose& last,
                      const SearchObserver& observer = {});
   /// The best particle of one wide template around each pose, over every valid pixel of a coarse grid: for
-  /// poses that may be far off. Axis lengths in metres and of the quaternion's imaginary part;
-  /// `serial` chooses among the templates.
+  /// poses that may be far off. Axis lengths in metres and of the quaternion's imaginary part.
   std::vector<ScannedPose> scan(const PreprocessPass& frame, const Volume& volume,
-                                std::span<const Pose> poses, double shift, double turn,
-                                std::size_t serial = 0);
+                                std::span<const Pose> poses, double shift, double turn);
   /// Fit of the frame at a pose; every 8th pixel, all of them counted for the shares.
   PoseScore score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera,
                   const Pose& last);

@@ -20,8 +20,6 @@ constexpr double kCarriedOn = 1;  // seconds that a lost camera is expected wher
 
 // A keyframe is added where none is within this; the surroundings of each are searched when lost.
 constexpr double kKeyframeShift = 0.4, kKeyframeTurn = 0.4;
-// Places from which the surroundings are searched from afar.
-constexpr double kPlacesApart = 1.5;
 
 /// 0 for the expected pose, towards 1 beyond some centimetres or degrees.
 double unexpectedness(const Pose& pose, const Pose& expected) {
@@ -112,7 +110,7 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, do
 }
 
 TrackResult Tracker::find(const PreprocessPass& frame, const Volume& volume, double timestamp,
-                          const Volume& overview, std::span<const Eigen::Matrix3d> rotations) {
+                          const Volume& overview, std::vector<Pose> places) {
   // Where it is expected is followed, whatever the keyframes' surroundings promise.
   const bool soon = motion_.secondsSince(timestamp) <= kCarriedOn;
   std::vector<Pose> centres;
@@ -121,24 +119,8 @@ TrackResult Tracker::find(const PreprocessPass& frame, const Volume& volume, dou
   centres.push_back(last_);
   const std::size_t expected = centres.size() - (soon ? 0 : 1);
   centres.insert(centres.end(), keyframes_.begin(), keyframes_.end());
-  // Places spread over the keyframes', those near the last pose first.
-  std::vector<Eigen::Vector3d> places{last_.translation()}, others;
-  for (const Pose& keyframe : keyframes_) others.push_back(keyframe.translation());
-  std::stable_sort(others.begin(), others.end(), [&](const auto& a, const auto& b) {
-    return (a - last_.translation()).norm() < (b - last_.translation()).norm();
-  });
-  for (const Eigen::Vector3d& place : others)
-    if (std::none_of(places.begin(), places.end(),
-                     [&](const auto& p) { return (p - place).norm() < kPlacesApart; }))
-      places.push_back(place);
-  std::vector<Pose> more;
-  std::uint64_t lookups = 0;
-  if (!rotations.empty())
-    more = locateWidely(search_, frame, overview, volume, places, rotations, lost_frames_++, lookups);
-  TrackResult result =
-      locate(search_, refiner_, settings_.refine, frame, volume, centres, expected, observer_, more);
-  result.lookups += lookups;
-  return result;
+  const std::vector<Pose> more = narrowDown(refiner_, settings_.refine, frame, overview, std::move(places));
+  return locate(search_, refiner_, settings_.refine, frame, volume, centres, expected, observer_, more);
 }
 
 bool Tracker::accept(const Pose& world_from_camera, double timestamp, bool fused) {
@@ -147,7 +129,6 @@ bool Tracker::accept(const Pose& world_from_camera, double timestamp, bool fused
     motion_.forget();
   }
   lost_ = false;
-  lost_frames_ = 0;
   told_ = CameraMotion{Pose::Identity(), true};
   motion_.add(world_from_camera, timestamp);
   last_ = world_from_camera;

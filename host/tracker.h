@@ -20,10 +20,10 @@ class Tracker {
   void move(const std::optional<CameraMotion>& motion);
   /// Pose of the frame held by `frame`. Call accept() where it is believed.
   TrackResult track(const PreprocessPass& frame, const Volume& volume, double timestamp);
-  /// The same for a lost camera: the whole model is searched, from afar in `overview`, with the camera turned
-  /// in one of these ways.
+  /// The same for a lost camera, whose surroundings and keyframes are searched, and these places: poses
+  /// within some centimetres and degrees of where it may be, narrowed down in the coarse `overview` first.
   TrackResult find(const PreprocessPass& frame, const Volume& volume, double timestamp,
-                   const Volume& overview, std::span<const Eigen::Matrix3d> rotations);
+                   const Volume& overview, std::vector<Pose> places);
   /// Tells that the frame at `timestamp` has this pose, and whether it was fused. True where that makes it a
   /// keyframe.
   bool accept(const Pose& world_from_camera, double timestamp, bool fused);
@@ -59,7 +59,6 @@ class Tracker {
   std::optional<CameraMotion> told_;  ///< since the last accepted frame; see move()
   std::vector<Pose> keyframes_;       ///< fused poses, spread over the model
   bool lost_ = false;
-  std::size_t lost_frames_ = 0;
   std::deque<double> costs_;  ///< of the last frames
   Pose last_ = Pose::Identity();
 };

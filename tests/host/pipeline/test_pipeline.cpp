@@ -108,6 +108,33 @@ TEST_F(PipelineTest, ACameraThatMovedOnInTheDarkIsFoundAtOnce) {
   EXPECT_LT(errorAt(kLast, result.world_from_camera, sequence), 0.03);
 }
 
+// Metres from wherever the camera was before, in a view of which less than half is known.
+TEST_F(PipelineTest, ACameraThatWasCarriedAcrossTheRoomIsFoundByWhatItKnowsOfTheView) {
+  const SynthSequence sequence = makeShortSequence(911, 240);
+  Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
+  const Pose first_from_world = sequence.truth[0].world_from_camera.inverse();
+  const auto truth = [&](std::size_t i) -> Pose {
+    return first_from_world * sequence.truth[i].world_from_camera;
+  };
+  constexpr std::size_t kKnown = 120, kFound = 201;
+  double nearest = 10;
+  for (std::size_t i = 0; i < kKnown; i += 2) {
+    pipeline.fuseFrame(sequence.frames[i], truth(i));
+    nearest = std::min(nearest, (truth(i).translation() - truth(kFound).translation()).norm());
+  }
+  EXPECT_GT(nearest, 1.5);
+  Frame dark = sequence.frames[kKnown];
+  dark.depth = cv::Mat(dark.depth.size(), CV_16UC1, cv::Scalar(0));
+  ASSERT_EQ(pipeline.processFrame(dark).status, TrackingStatus::Lost);
+  for (const std::size_t i : {kFound, kFound + 1}) {
+    const FrameResult result = pipeline.processFrame(sequence.frames[i]);
+    EXPECT_EQ(result.status, TrackingStatus::Relocalised) << result.reason;
+    ASSERT_TRUE(result.fit);
+    EXPECT_LT(result.fit->usable, 0.5);
+    EXPECT_LT(errorAt(i, result.world_from_camera, sequence), 0.02);
+  }
+}
+
 TEST_F(PipelineTest, WithAHandBeforeTheCameraNothingIsFusedUntilItIsGone) {
   const SynthSequence sequence = makeShortSequence(907, 24);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);

@@ -34,7 +34,7 @@ TEST_F(SeenThroughTest, NothingIsKnownAtFirst) {
 }
 
 TEST_F(SeenThroughTest, TheStaticSceneFromAnywhereIsNot) {
-  seen_.keep(wall(), at(0, 0, 0));
+  seen_.keep(wall(), at(0, 0, 0), 0);
   EXPECT_EQ(seen_.shareOfLast(wall(), at(0, 0, 0)), 0);
   EXPECT_EQ(seen_.shareOfLast(wall(), at(0.3, -0.2, 0)), 0);
   EXPECT_EQ(seen_.shareOfLast(wall(kWall_mm - 500), at(0, 0, 0.5)), 0) << "it came nearer";
@@ -43,7 +43,7 @@ TEST_F(SeenThroughTest, TheStaticSceneFromAnywhereIsNot) {
 }
 
 TEST_F(SeenThroughTest, SomethingBeforeTheCameraIs) {
-  seen_.keep(wall(), at(0, 0, 0));
+  seen_.keep(wall(), at(0, 0, 0), 0);
   // But for the border, about which the kept image says nothing.
   EXPECT_NEAR(seen_.shareOfLast(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
   EXPECT_NEAR(seen_.shareOfAll(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
@@ -53,22 +53,22 @@ TEST_F(SeenThroughTest, SomethingBeforeTheCameraIs) {
 }
 
 TEST_F(SeenThroughTest, APoseThatIsWrongIs) {
-  seen_.keep(wall(), at(0, 0, 0));
+  seen_.keep(wall(), at(0, 0, 0), 0);
   EXPECT_GT(seen_.shareOfLast(wall(), at(0, 0, -0.5)), 0.6);
 }
 
 TEST_F(SeenThroughTest, WhereTheKeptImageIsInvalidNothingIsKnown) {
   cv::Mat blind = wall();
   blind.setTo(0);
-  seen_.keep(blind, at(0, 0, 0));
+  seen_.keep(blind, at(0, 0, 0), 0);
   EXPECT_EQ(seen_.shareOfLast(withHand(wall()), at(0, 0, 0)), 0);
-  seen_.keep(wall(), at(0, 0, 0));
+  seen_.keep(wall(), at(0, 0, 0), 0);
   EXPECT_EQ(seen_.shareOfLast(blind, at(0, 0, 0)), 0) << "no valid pixel, no share";
 }
 
 TEST_F(SeenThroughTest, ASurfaceThatShouldBeInViewIsMissedWhereTheImageLooksThroughIt) {
   EXPECT_EQ(seen_.shareMissing(wall(), at(0, 0, 0)), 0);
-  seen_.keep(withHand(wall(), 1500), at(0, 0, 0));
+  seen_.keep(withHand(wall(), 1500), at(0, 0, 0), 0);
   EXPECT_EQ(seen_.shareMissing(withHand(wall(), 1500), at(0, 0, 0)), 0);
   EXPECT_EQ(seen_.shareMissing(withHand(wall(), 1500 + 80), at(0, 0, 0)), 0) << "noise";
   EXPECT_NEAR(seen_.shareMissing(wall(), at(0, 0, 0)), 0.5, 0.05) << "the near half is not there";
@@ -78,10 +78,28 @@ TEST_F(SeenThroughTest, ASurfaceThatShouldBeInViewIsMissedWhereTheImageLooksThro
 }
 
 TEST_F(SeenThroughTest, EarlierImagesAreRemembered) {
-  seen_.keep(wall(), at(0, 0, 0));
-  seen_.keep(wall(), at(20, 0, 0));
+  seen_.keep(wall(), at(0, 0, 0), 0);
+  seen_.keep(wall(), at(20, 0, 0), 1);
   EXPECT_EQ(seen_.shareOfLast(withHand(wall()), at(0, 0, 0)), 0);
   EXPECT_NEAR(seen_.shareOfAll(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
+}
+
+TEST_F(SeenThroughTest, AfterACorrectionImagesAreWhereTheirFramesAre) {
+  seen_.keep(wall(), at(0, 0, 0), 0);
+  seen_.keep(wall(), at(20, 0, 0), 1);
+  const std::vector<Pose> corrected{at(5, 0, 0), at(30, 0, 0)};
+  seen_.rebase(corrected);
+  EXPECT_EQ(seen_.shareOfAll(withHand(wall()), at(0, 0, 0)), 0);
+  EXPECT_NEAR(seen_.shareOfAll(withHand(wall()), at(5, 0, 0)), 0.5, 0.05);
+  EXPECT_NEAR(seen_.shareOfLast(withHand(wall()), at(30, 0, 0)), 0.5, 0.05);
+}
+
+TEST_F(SeenThroughTest, AGlanceForgivesADecimetre) {
+  seen_.keep(wall(), at(0, 0, 0), 0);
+  EXPECT_EQ(seen_.glance(wall(), at(0, 0, -0.3)), 0);
+  EXPECT_GT(seen_.shareOfAll(wall(), at(0, 0, -0.3)), 0.6);
+  EXPECT_GT(seen_.glance(wall(), at(0, 0, -0.6)), 0.6);
+  EXPECT_NEAR(seen_.glance(withHand(wall()), at(0, 0, 0)), 0.5, 0.07);
 }
 
 }  // namespace

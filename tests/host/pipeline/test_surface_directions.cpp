@@ -49,7 +49,7 @@ Pose pose(double yaw, double pitch, double roll) {
 }
 
 std::vector<SurfaceDirection> directionsOf(const Corner& planes, const Pose& world_from_camera) {
-  return dominantDirections(surfaceNormals(look(planes, world_from_camera), kCamera), 0.04, 5);
+  return dominantDirections(normalsOf(surfacePatches(look(planes, world_from_camera), kCamera)), 0.04, 5);
 }
 
 double angleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
@@ -102,7 +102,7 @@ TEST(SurfaceDirections, AWallAloneSaysNothing) {
 
 TEST(SurfaceDirections, NothingIsFoundWithoutDepth) {
   const cv::Mat nothing(kCamera.height, kCamera.width, CV_32F, cv::Scalar(0));
-  EXPECT_TRUE(surfaceNormals(nothing, kCamera).empty());
+  EXPECT_TRUE(surfacePatches(nothing, kCamera).empty());
   EXPECT_TRUE(dominantDirections({}, 0.04, 5).empty());
 }
 
