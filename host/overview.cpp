@@ -45,10 +45,9 @@ void Overview::place(const View& view, const Pose& world_from_camera) {
     patches_.push_back({world_from_camera * patch.point, world_from_camera.linear() * patch.normal});
 }
 
-Volume& Overview::rebase(std::span<const Pose> frame_poses) {
+void Overview::rebase(std::span<const Pose> frame_poses) {
   patches_.clear();
   for (const View& view : views_) place(view, frame_poses[view.frame]);
-  return volume_;
 }
 
 std::vector<AgreeingPose> Overview::placesOf(const cv::Mat& depth) const {

@@ -17,25 +17,26 @@ class Overview {
            std::size_t frame);
   /// Voxels and truncation are several times those of the model proper. No colour.
   const Volume& volume() const { return volume_; }
-  /// After a correction of the map: every frame's pose, by its number. The volume is the caller's to make
-  /// anew.
-  Volume& rebase(std::span<const Pose> frame_poses);
+  /// To be made anew by the caller after rebase().
+  Volume& volume() { return volume_; }
+  /// After a correction of the map: every frame's pose, by its number.
+  void rebase(std::span<const Pose> frame_poses);
   /// Where the camera may be for the surfaces in its image to lie on what is known: world_from_camera, within
   /// some centimetres and degrees, the likeliest first.
   std::vector<AgreeingPose> placesOf(const cv::Mat& depth) const;
 
  private:
+  struct View {
+    std::vector<SurfacePatch> patches;  ///< in the camera's frame
+    std::size_t frame;
+  };
+  void place(const View& view, const Pose& world_from_camera);
   cv::Mat metresOf(const cv::Mat& depth) const;
 
   Intrinsics camera_;
   DepthSettings range_;
   double units_;
   Volume volume_;
-  struct View {
-    std::vector<SurfacePatch> patches;  ///< in the camera's frame
-    std::size_t frame;
-  };
-  void place(const View& view, const Pose& world_from_camera);
   std::vector<View> views_;
   std::vector<SurfacePatch> patches_;  ///< of all views, in the world
 };

@@ -101,6 +101,7 @@ class Pipeline {
   Tracker tracker_;
   SeenThrough seen_through_;
   Overview overview_;                  ///< of the keyframes
+  bool overview_stale_ = false;        ///< a loop was closed: to be made anew before it is next looked at
   std::unique_ptr<LoopCloser> loops_;  ///< with loops.enabled
   std::size_t posed_frames_ = 0;       ///< so far, as the loop closer counts them
   bool started_ = false;

@@ -154,7 +154,8 @@ std::vector<SettingsField> makeTable() {
       row("tracking.lost_residual", "truncations", 0, 1,
           "a larger RMS residual means lost: the frame is not fused", T(&TrackingSettings::lost_residual)),
       row("tracking.relocalised_share", "", 0, 1,
-          "once lost, a pose is believed when this share of the pixels meets the model",
+          "once lost, a pose is believed when this share of the pixels meets the model; three fifths where "
+          "nothing contradicts it",
           T(&TrackingSettings::relocalised_share)),
       row("tracking.intruding_share", "", 0, 1,
           "a frame is not fused where more of its pixels than this lie in space that the last fused frame "
