@@ -16,7 +16,8 @@ struct SurfaceDirection {
 
 /// A flat piece of a surface.
 struct SurfacePatch {
-  Eigen::Vector3d point, normal;  ///< unit length, towards the camera
+  Eigen::Vector3d point;
+  Eigen::Vector3d normal;  ///< unit length, towards the camera
 };
 
 /// Patches, in the camera's frame, of places spread evenly over a depth image (CV_32F metres, 0 where
