@@ -149,7 +149,10 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
   }
   if (result.status == TrackingStatus::Lost) {
     intruded_ = false;
-    if (started_) tracker_.lose();
+    if (supposed_)
+      tracker_.suppose(*supposed_, result.timestamp);
+    else if (started_)
+      tracker_.lose();
     if (loops_) loops_->breakOff();
     return result;
   }
@@ -160,7 +163,9 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
     seen_through_.keep(frame.depth, result.world_from_camera, posed_frames_);
     started_ = true;
   }
-  if (tracker_.accept(result.world_from_camera, result.timestamp, result.fused))
+  if (result.status == TrackingStatus::Relocalised)
+    tracker_.suppose(result.world_from_camera, result.timestamp);
+  else if (tracker_.accept(result.world_from_camera, result.timestamp, result.fused))
     overview_.add(fuser_, recorder_, frame.depth, result.world_from_camera, posed_frames_);
   ++posed_frames_;
   if (loops_) closeLoops(frame, result);
@@ -234,8 +239,10 @@ std::optional<PoseFit> Pipeline::believe(const Frame& frame, const TrackResult& 
   return alone ? believed : std::nullopt;
 }
 
-/// Once lost or in doubt, several frames must agree before one is fused.
+/// Once lost or in doubt, several frames must agree before one is fused; once lost, two before one is told:
+/// at times an image fits a wrong place, but the next hardly does.
 void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result) {
+  const bool was_lost = tracker_.isLost() || unconfirmed_ > 0;
   const std::optional<PoseFit> believed = believe(frame, found, unsure);
   if (believed) result.fit = believed;
   result.intruding = seen_through_.shareOfAll(frame.depth, result.fit->world_from_camera);
@@ -245,20 +252,26 @@ void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure
     result.reason = "the frame fits nowhere in the model surely enough";
     return;
   }
-  result.world_from_camera = believed->world_from_camera;
   unconfirmed_ = unsure ? kConfirmations : unconfirmed_ - 1;
+  if (unsure && was_lost) {
+    supposed_ = believed->world_from_camera;
+    result.status = TrackingStatus::Lost;
+    result.reason = "found again, it seems; told once the next frame agrees";
+    return;
+  }
+  result.world_from_camera = believed->world_from_camera;
   if (unconfirmed_ == 0) {
     result.status = TrackingStatus::Tracked;
     result.score = tracker_.score(fuser_.frame(), volume_, result.world_from_camera);
     return judgeConstraint(settings_.refine, result);
   }
   result.status = TrackingStatus::Relocalised;
-  result.reason = !unsure             ? "agrees with the frame before; fused once one more does"
-                  : tracker_.isLost() ? "found again; fused once the next frames agree"
-                                      : "a sudden change; fused once the next frames agree";
+  result.reason = unsure ? "a sudden change; fused once the next frames agree"
+                         : "agrees with the frame before; fused once one more does";
 }
 
 void Pipeline::track(const Frame& frame, FrameResult& result) {
+  supposed_.reset();
   result.world_from_camera = tracker_.last();
   result.score = tracker_.score(fuser_.frame(), volume_, tracker_.last());
   if (!started_) {

@@ -11,7 +11,8 @@
 
 namespace rosefusion {
 
-/// Relocalised: found again in the model after being lost, and not fused until the next frames agree.
+/// Relocalised: found in the model after a loss, where two frames agree, or after a sudden change; not fused
+/// until the next frames agree.
 enum class TrackingStatus { Tracked, Uncertain, Relocalised, Lost };
 const char* toString(TrackingStatus status);
 
@@ -25,7 +26,7 @@ struct StageMilliseconds {
 
 struct FrameResult {
   double timestamp = 0;
-  /// World = the camera of the first fused frame. When lost: the last pose that was not.
+  /// World = the camera of the first fused frame. When lost: the last pose that was tracked or uncertain.
   Pose world_from_camera = Pose::Identity();
   TrackingStatus status = TrackingStatus::Lost;
   std::string reason;          ///< plain words; empty when tracked
@@ -106,7 +107,8 @@ class Pipeline {
   std::size_t posed_frames_ = 0;       ///< so far, as the loop closer counts them
   bool started_ = false;
   bool intruded_ = false;
-  int unconfirmed_ = 0;  ///< frames that must still agree before frames are fused again
+  int unconfirmed_ = 0;           ///< frames that must still agree before frames are fused again
+  std::optional<Pose> supposed_;  ///< of the last frame: where a lost camera may be
 };
 
 }  // namespace rosefusion

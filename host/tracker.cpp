@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/locate.h"
 
@@ -40,39 +41,44 @@ Tracker::Tracker(Device& device, const Settings& settings, const Intrinsics& int
 
 void Tracker::search(const PreprocessPass& frame, const Volume& volume, const Pose& start,
                      TrackResult& result) {
-  const SwarmResult found = search_.search(frame, volume, start, last_, observer_);
+  const SwarmResult found = search_.search(frame, volume, start, course_.last, observer_);
   result.world_from_camera = found.world_from_camera;
   result.iterations += found.iterations;
   result.lookups += found.lookups;
 }
 
 std::optional<double> Tracker::usualCost() const {
-  if (costs_.empty()) return {};
-  std::vector<double> sorted(costs_.begin(), costs_.end());
+  if (course_.costs.empty()) return {};
+  std::vector<double> sorted(course_.costs.begin(), course_.costs.end());
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
   return *middle;
 }
 
+void Tracker::Course::move(const std::optional<CameraMotion>& by) {
+  if (!by) told.reset();
+  if (!told) return;
+  told->last_camera_from_camera = told->last_camera_from_camera * by->last_camera_from_camera;
+  told->has_translation = told->has_translation && by->has_translation;
+}
+
 void Tracker::move(const std::optional<CameraMotion>& motion) {
-  if (!motion) told_.reset();
-  if (!told_) return;
-  told_->last_camera_from_camera = told_->last_camera_from_camera * motion->last_camera_from_camera;
-  told_->has_translation = told_->has_translation && motion->has_translation;
+  course_.move(motion);
+  if (accepted_) accepted_->move(motion);
 }
 
 Pose Tracker::asTold(const Pose& otherwise) const {
-  if (!told_) return otherwise;
-  Pose told = last_ * told_->last_camera_from_camera;
-  if (!told_->has_translation) told.translation() = otherwise.translation();
+  if (!course_.told) return otherwise;
+  Pose told = course_.last * course_.told->last_camera_from_camera;
+  if (!course_.told->has_translation) told.translation() = otherwise.translation();
   return told;
 }
 
 TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, double timestamp) {
-  if (other_method_) return other_method_->track(frame, volume, last_, observer_);
+  if (other_method_) return other_method_->track(frame, volume, course_.last, observer_);
   TrackResult result;
   const RefineSettings& s = settings_.refine;
-  const Pose predicted = motion_.predict(timestamp), expected = asTold(predicted);
+  const Pose predicted = course_.motion.predict(timestamp), expected = asTold(predicted);
   PoseFit best;
   double best_cost = 2;
   const auto descendFrom = [&](const std::vector<Pose>& starts) {
@@ -88,21 +94,22 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, do
     search(frame, volume, start, result);
     descendFrom({result.world_from_camera});
   };
-  refiner_.look(frame, s.coarse_pixel_stride, last_);
-  descendFrom(told_ ? std::vector<Pose>{expected, last_, predicted} : std::vector<Pose>{expected, last_});
+  refiner_.look(frame, s.coarse_pixel_stride, course_.last);
+  descendFrom(course_.told ? std::vector<Pose>{expected, course_.last, predicted}
+                           : std::vector<Pose>{expected, course_.last});
   searchFrom(best.world_from_camera);  // ends after max_empty_sets iterations where nothing better is near
   const std::optional<double> usual = usualCost();
   if (!usual || best.cost > kSuspiciousFactor * *usual + kSuspiciousExcess) {
     searchFrom(expected);
-    searchFrom(last_);
+    searchFrom(course_.last);
   }
-  const bool told = told_ && told_->has_translation;
+  const bool told = course_.told && course_.told->has_translation;
   result.doubtful =
-      (usual && best.cost > *usual + kDoubtfulExcess) || (!told && motion_.isInterrupted(timestamp));
-  costs_.push_back(best.cost);
-  if (costs_.size() > kRememberedCosts) costs_.pop_front();
+      (usual && best.cost > *usual + kDoubtfulExcess) || (!told && course_.motion.isInterrupted(timestamp));
+  course_.costs.push_back(best.cost);
+  if (course_.costs.size() > kRememberedCosts) course_.costs.pop_front();
 
-  refiner_.look(frame, s.pixel_stride, last_);
+  refiner_.look(frame, s.pixel_stride, course_.last);
   result.fit = refiner_.refine(volume, std::vector<Pose>{best.world_from_camera}, s.iterations, expected)[0];
   result.world_from_camera = result.fit->world_from_camera;
   result.lookups += kVoxelsPerPoint * refiner_.takePointsRead();
@@ -112,27 +119,42 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, do
 TrackResult Tracker::find(const PreprocessPass& frame, const Volume& volume, double timestamp,
                           const Volume& overview, std::vector<Pose> places) {
   // Where it is expected is followed, whatever the keyframes' surroundings promise.
-  const bool soon = motion_.secondsSince(timestamp) <= kCarriedOn;
+  const bool soon = course_.motion.secondsSince(timestamp) <= kCarriedOn;
   std::vector<Pose> centres;
-  if (told_) centres.push_back(asTold(last_));
-  if (soon) centres.push_back(motion_.predict(timestamp, kCarriedOn));
-  centres.push_back(last_);
+  if (course_.told) centres.push_back(asTold(course_.last));
+  if (soon) centres.push_back(course_.motion.predict(timestamp, kCarriedOn));
+  centres.push_back(course_.last);
   const std::size_t expected = centres.size() - (soon ? 0 : 1);
   centres.insert(centres.end(), keyframes_.begin(), keyframes_.end());
   const std::vector<Pose> more = narrowDown(refiner_, settings_.refine, frame, overview, std::move(places));
   return locate(search_, refiner_, settings_.refine, frame, volume, centres, expected, observer_, more);
 }
 
-bool Tracker::accept(const Pose& world_from_camera, double timestamp, bool fused) {
-  if (lost_) {
-    costs_.clear();
-    motion_.forget();
+void Tracker::Course::goOn(const Pose& world_from_camera, double timestamp) {
+  if (lost) {
+    costs.clear();
+    motion.forget();
   }
-  lost_ = false;
-  told_ = CameraMotion{Pose::Identity(), true};
-  motion_.add(world_from_camera, timestamp);
-  last_ = world_from_camera;
-  return fused && !other_method_ && addKeyframe(last_);
+  lost = false;
+  told = CameraMotion{Pose::Identity(), true};
+  motion.add(world_from_camera, timestamp);
+  last = world_from_camera;
+}
+
+void Tracker::Course::rebase(const Pose& new_from_old_world) {
+  motion.rebase(new_from_old_world);
+  last = new_from_old_world * last;
+}
+
+bool Tracker::accept(const Pose& world_from_camera, double timestamp, bool fused) {
+  accepted_.reset();
+  course_.goOn(world_from_camera, timestamp);
+  return fused && !other_method_ && addKeyframe(world_from_camera);
+}
+
+void Tracker::suppose(const Pose& world_from_camera, double timestamp) {
+  if (!accepted_) accepted_ = course_;
+  course_.goOn(world_from_camera, timestamp);
 }
 
 bool Tracker::addKeyframe(const Pose& pose) {
@@ -145,14 +167,16 @@ bool Tracker::addKeyframe(const Pose& pose) {
 }
 
 void Tracker::rebase(const Pose& world_from_last, std::span<const Pose> keyframes) {
-  motion_.rebase(world_from_last * last_.inverse());
-  last_ = world_from_last;
+  const Pose new_from_old = world_from_last * course_.last.inverse();
+  course_.rebase(new_from_old);
+  if (accepted_) accepted_->rebase(new_from_old);
   keyframes_.clear();
   for (const Pose& keyframe : keyframes) addKeyframe(keyframe);
 }
 
 void Tracker::lose() {
-  lost_ = !other_method_;
+  if (accepted_) course_ = *std::exchange(accepted_, std::nullopt);
+  course_.lost = !other_method_;
 }
 
 }  // namespace rosefusion

@@ -27,22 +27,38 @@ class Tracker {
   /// Tells that the frame at `timestamp` has this pose, and whether it was fused. True where that makes it a
   /// keyframe.
   bool accept(const Pose& world_from_camera, double timestamp, bool fused);
+  /// The same for a pose that the next frames must confirm: they are tracked from it, and lose() before
+  /// accept() takes all that was supposed back.
+  void suppose(const Pose& world_from_camera, double timestamp);
   /// Tells that the last track() or find() found no pose: from now on find() is to be called.
   void lose();
-  bool isLost() const { return lost_; }
+  bool isLost() const { return course_.lost; }
   /// From now on told of every iteration of the searches with particles.
   void observe(SearchObserver observer) { observer_ = std::move(observer); }
   /// Tells that the map was corrected: where the last accepted frame and the keyframes are now.
   void rebase(const Pose& world_from_last, std::span<const Pose> keyframes);
   const TemplateSet& templates() const { return search_.templates(); }
-  /// Fit of the frame at a pose, over the overlap with the last accepted frame; every 8th pixel.
+  /// Fit of the frame at a pose, over the overlap with the last accepted or supposed frame; every 8th pixel.
   PoseScore score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera) {
-    return search_.score(frame, volume, world_from_camera, last_);
+    return search_.score(frame, volume, world_from_camera, course_.last);
   }
   /// The last accepted pose; the identity before any.
-  const Pose& last() const { return last_; }
+  const Pose& last() const { return (accepted_ ? *accepted_ : course_).last; }
 
  private:
+  /// What the frames so far tell about the next.
+  struct Course {
+    MotionModel motion;
+    std::optional<CameraMotion> told;  ///< since `last`; see move()
+    std::deque<double> costs;          ///< of the last frames
+    Pose last = Pose::Identity();
+    bool lost = false;
+
+    void move(const std::optional<CameraMotion>& by);
+    void goOn(const Pose& world_from_camera, double timestamp);
+    void rebase(const Pose& new_from_old_world);
+  };
+
   bool addKeyframe(const Pose& world_from_camera);
   void search(const PreprocessPass& frame, const Volume& volume, const Pose& start, TrackResult& result);
   /// Median cost of the last frames; none at the start and after a loss.
@@ -55,12 +71,9 @@ class Tracker {
   Refiner refiner_;
   std::unique_ptr<PoseMethod> other_method_;  ///< none: the product's own
   SearchObserver observer_;
-  MotionModel motion_;
-  std::optional<CameraMotion> told_;  ///< since the last accepted frame; see move()
-  std::vector<Pose> keyframes_;       ///< fused poses, spread over the model
-  bool lost_ = false;
-  std::deque<double> costs_;  ///< of the last frames
-  Pose last_ = Pose::Identity();
+  Course course_;
+  std::optional<Course> accepted_;  ///< as it was before poses were supposed; none where none are
+  std::vector<Pose> keyframes_;     ///< fused poses, spread over the model
 };
 
 }  // namespace rosefusion

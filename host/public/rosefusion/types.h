@@ -48,7 +48,8 @@ struct DepthFrame {
   std::optional<MotionPrior> motion;
 };
 
-/// Relocalised: found again in the model after being lost, and not fused until the next frames agree.
+/// Relocalised: found in the model after a loss, where two frames agree, or after a sudden change; not fused
+/// until the next frames agree.
 enum class Status { Tracked, Uncertain, Relocalised, Lost };
 
 /// What became of one frame.
