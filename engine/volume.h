@@ -22,7 +22,8 @@ struct VolumeOptions {
   bool colour = false;
   std::uint64_t memory_limit_bytes = 0;  ///< of the volume; 0: 80 % of the device's memory
   std::uint64_t max_pool_bytes =
-      0;  ///< of one pool buffer; 0: what a binding covers. Small in tests of many pools
+      0;                    ///< of one pool buffer; 0: what a binding covers. Small in tests of many pools
+  bool thin_walls = false;  ///< keep a surface apart from one close behind it that faces the other way
 };
 
 /// Where the volume's contents are copied for tests and exports: slot-major, voxels with x fastest.

@@ -4,6 +4,18 @@
 #include "host/shader_types.h"
 
 namespace rosefusion {
+
+VolumeOptions volumeOptions(const VolumeSettings& s) {
+  VolumeOptions out;
+  out.voxel_size = static_cast<float>(s.voxel_size);
+  out.truncation = static_cast<float>(s.truncation);
+  out.max_weight = static_cast<float>(s.max_weight);
+  out.colour = s.colour;
+  out.memory_limit_bytes = s.memory_limit_mb << 20;
+  out.thin_walls = s.thin_walls;
+  return out;
+}
+
 FrameFuser::FrameFuser(Device& device, const Settings& settings, const Intrinsics& intrinsics,
                        double depth_units_per_metre)
     : settings_(settings),

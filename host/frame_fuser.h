@@ -9,6 +9,8 @@
 
 namespace rosefusion {
 
+VolumeOptions volumeOptions(const VolumeSettings& settings);
+
 /// Holds the current frame on the device. recordSearch() and grow(), repeated while grow() says so, come
 /// before recordFusion(); each is submitted and has run before the next. The Device must outlive it. One
 /// thread.

@@ -10,8 +10,12 @@ constexpr std::size_t kPlaces = 1000;
 constexpr double kShareOfView = 0.04, kShareOfModel = 0.008;
 
 VolumeOptions optionsOf(const VolumeSettings& s) {
-  const float voxel = kCoarser * static_cast<float>(s.voxel_size);
-  return {voxel, std::max(kTruncation, 3 * voxel), static_cast<float>(s.max_weight)};
+  VolumeOptions out = volumeOptions(s);
+  out.voxel_size *= kCoarser;
+  out.truncation = std::max(kTruncation, 3 * out.voxel_size);
+  out.colour = false;
+  out.memory_limit_bytes = 0;
+  return out;
 }
 
 }  // namespace

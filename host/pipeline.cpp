@@ -22,11 +22,6 @@ class StageTimer {
   Clock::time_point start_ = Clock::now();
 };
 
-VolumeOptions volumeOptions(const Settings& s) {
-  return {static_cast<float>(s.volume.voxel_size), static_cast<float>(s.volume.truncation),
-          static_cast<float>(s.volume.max_weight), s.volume.colour, s.volume.memory_limit_mb << 20};
-}
-
 TemplateSet templatesFor(const Settings& s, const Log& log) {
   TemplateOptions options;
   options.sizes.clear();
@@ -116,7 +111,7 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
       intrinsics_(intrinsics),
       depth_units_per_metre_(depth_units_per_metre),
       recorder_(device),
-      volume_(device, volumeOptions(settings)),
+      volume_(device, volumeOptions(settings.volume)),
       fuser_(device, settings, intrinsics, depth_units_per_metre),
       tracker_(device, settings, intrinsics, templatesFor(settings, log)),
       seen_through_(intrinsics, settings.depth, depth_units_per_metre),
@@ -240,7 +235,8 @@ std::optional<PoseFit> Pipeline::believe(const Frame& frame, const TrackResult& 
 }
 
 /// Once lost or in doubt, several frames must agree before one is fused; once lost, two before one is told:
-/// at times an image fits a wrong place, but the next hardly does.
+/// at times an image fits a wrong place, but the next hardly does. One of them must show mostly what is
+/// known: a hand where nothing was seen before contradicts nothing, and would be fused.
 void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result) {
   const bool was_lost = tracker_.isLost() || unconfirmed_ > 0;
   const std::optional<PoseFit> believed = believe(frame, found, unsure);
@@ -252,7 +248,11 @@ void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure
     result.reason = "the frame fits nowhere in the model surely enough";
     return;
   }
-  unconfirmed_ = unsure ? kConfirmations : unconfirmed_ - 1;
+  known_again_ = (!unsure && known_again_) || believed->usable >= settings_.tracking.relocalised_share;
+  if (unsure)
+    unconfirmed_ = kConfirmations;
+  else if (unconfirmed_ > 1 || known_again_)
+    --unconfirmed_;
   if (unsure && was_lost) {
     supposed_ = believed->world_from_camera;
     result.status = TrackingStatus::Lost;
@@ -266,8 +266,9 @@ void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure
     return judgeConstraint(settings_.refine, result);
   }
   result.status = TrackingStatus::Relocalised;
-  result.reason = unsure ? "a sudden change; fused once the next frames agree"
-                         : "agrees with the frame before; fused once one more does";
+  result.reason = unsure         ? "a sudden change; fused once the next frames agree"
+                  : known_again_ ? "agrees with the frame before; fused once one more does"
+                                 : "agrees with the frame before; fused once more of what it shows is known";
 }
 
 void Pipeline::track(const Frame& frame, FrameResult& result) {

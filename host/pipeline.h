@@ -107,7 +107,8 @@ class Pipeline {
   std::size_t posed_frames_ = 0;       ///< so far, as the loop closer counts them
   bool started_ = false;
   bool intruded_ = false;
-  int unconfirmed_ = 0;           ///< frames that must still agree before frames are fused again
+  int unconfirmed_ = 0;       ///< frames that must still agree before frames are fused again
+  bool known_again_ = false;  ///< whether one that agreed showed tracking.relocalised_share of what is known
   std::optional<Pose> supposed_;  ///< of the last frame: where a lost camera may be
 };
 

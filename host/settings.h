@@ -25,6 +25,7 @@ struct VolumeSettings {
   double truncation = 0.06;
   double max_weight = 128;
   bool colour = true;
+  bool thin_walls = false;
   std::uint64_t memory_limit_mb = 0;
 };
 

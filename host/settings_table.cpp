@@ -80,6 +80,10 @@ std::vector<SettingsField> makeTable() {
           "volume.colour", "", 0, 1, "fuse colour where the sequence has it",
           [](Settings & s) -> auto& { return s.volume.colour; }),
       row(
+          "volume.thin_walls", "", 0, 1,
+          "what a view says of the space behind its surface gives way to a view of a surface there",
+          [](Settings & s) -> auto& { return s.volume.thin_walls; }),
+      row(
           "volume.memory_limit_mb", "MiB", 0, kMany, "largest volume; 0: 80 % of the device's memory",
           [](Settings & s) -> auto& { return s.volume.memory_limit_mb; }),
 

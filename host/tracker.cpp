@@ -16,6 +16,9 @@ constexpr double kSuspiciousFactor = 1.3, kSuspiciousExcess = 0.05;
 // What no search brings below this is doubtful. Right poses of flights and recordings exceed the median by up
 // to 0.21, a wrong one after 30 missing frames by 0.42 (tests/bench/NOTES.md).
 constexpr double kDoubtfulExcess = 0.3;
+// What the model knows of the view does not shrink by more from one frame to the next: of 66 000 tracked
+// frames one lost 0.38 of it and no other 0.2; a hand takes a half, and may fit a wall elsewhere (NOTES.md).
+constexpr double kSuddenlyUnknown = 0.3;
 
 constexpr double kCarriedOn = 1;  // seconds that a lost camera is expected where its motion leads
 
@@ -104,8 +107,6 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, do
     searchFrom(course_.last);
   }
   const bool told = course_.told && course_.told->has_translation;
-  result.doubtful =
-      (usual && best.cost > *usual + kDoubtfulExcess) || (!told && course_.motion.isInterrupted(timestamp));
   course_.costs.push_back(best.cost);
   if (course_.costs.size() > kRememberedCosts) course_.costs.pop_front();
 
@@ -113,6 +114,10 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, do
   result.fit = refiner_.refine(volume, std::vector<Pose>{best.world_from_camera}, s.iterations, expected)[0];
   result.world_from_camera = result.fit->world_from_camera;
   result.lookups += kVoxelsPerPoint * refiner_.takePointsRead();
+  result.doubtful = (usual && best.cost > *usual + kDoubtfulExcess) ||
+                    (course_.usable && result.fit->usable < *course_.usable - kSuddenlyUnknown) ||
+                    (!told && course_.motion.isInterrupted(timestamp));
+  course_.usable = result.fit->usable;
   return result;
 }
 
@@ -133,6 +138,7 @@ TrackResult Tracker::find(const PreprocessPass& frame, const Volume& volume, dou
 void Tracker::Course::goOn(const Pose& world_from_camera, double timestamp) {
   if (lost) {
     costs.clear();
+    usable.reset();
     motion.forget();
   }
   lost = false;

@@ -51,6 +51,7 @@ class Tracker {
     MotionModel motion;
     std::optional<CameraMotion> told;  ///< since `last`; see move()
     std::deque<double> costs;          ///< of the last frames
+    std::optional<double> usable;      ///< share of the last frame that the model knew; none after a loss
     Pose last = Pose::Identity();
     bool lost = false;
 

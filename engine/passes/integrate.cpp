@@ -28,7 +28,7 @@ void IntegratePass::record(Recorder& recorder, const Volume& volume, const Prepr
       glm::ivec4(camera.size.x, camera.size.y, static_cast<int>(slots_.size()), colour),
       noise.floor,
       noise.growth,
-      0,
+      volume.options().thin_walls,
       0};
   const Buffer* buffers[kIntegrateBindings] = {&volume.layoutBuffer(), &volume.blockBuffer(), &visible_,
                                                &frame.depth(), &frame.colour()};

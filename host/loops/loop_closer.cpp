@@ -34,8 +34,10 @@ constexpr std::size_t kRecent = 8;                       // keyframes that it be
 constexpr double kConstraintFactor = 5;  // of refine.least_constraint: what holds a tie in every direction
 
 VolumeOptions optionsOf(const VolumeSettings& s, bool colour) {
-  return {static_cast<float>(s.voxel_size), static_cast<float>(s.truncation),
-          static_cast<float>(s.max_weight), colour};
+  VolumeOptions out = volumeOptions(s);
+  out.colour = colour;
+  out.memory_limit_bytes = 0;
+  return out;
 }
 
 /// What a measured pose asks for: a transform of the world.

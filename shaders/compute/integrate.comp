@@ -30,13 +30,20 @@ int pixelOf(vec3 p) {
   return inside ? uv.y * params.size.x + uv.x : -1;
 }
 
-void fuseColour(uint chunk, uint word, uint rgb) {
+void fuseColour(uint chunk, uint word, uint rgb, bool anew) {
   const float kColourWeightCap = 64.0;  // enough to average noise, fits the byte
-  uint old = colourWord(chunk, word);
+  uint old = anew ? 0u : colourWord(chunk, word);
   float weight = float(old >> 24);
   vec3 mean = (unpackUnorm4x8(old).xyz * weight + unpackUnorm4x8(rgb).xyz) / (weight + 1.0);
   uint packed = packUnorm4x8(vec4(mean, 0.0));
   setcolourWord(chunk, word, (packed & 0xFFFFFFu) | (uint(min(weight + 1.0, kColourWeightCap)) << 24));
+}
+
+// The least difference, in truncations, by which two views contradict each other about a voxel.
+float contradiction(float z) {
+  const float kDeviations = 4.0, kVoxels = 0.5;
+  float noise = depthNoise(params.noise_floor, params.noise_growth, z);
+  return max(kDeviations * noise, kVoxels * volume.scale.x) / volume.scale.z;
 }
 
 void main() {
@@ -69,11 +76,20 @@ void main() {
       }
       float value = min(distance_ / truncation, 1.0);
       float gain = max(depthWeight(params.noise_floor, params.noise_growth, z), 1.0 / kWeightOne);
+      // How far the space behind a surface is filled, a view only guesses: never too little. Of two guesses that differ by more
+      // than noise the one closer to a surface is right; the mean would be neither of a thin wall's two sides.
+      bool anew = false;
+      if (params.thin_walls != 0u && weight[half_] > 0.0) {
+        float least = contradiction(z), old = tsdf[half_];
+        if (old < least && value < min(-least, old - least)) continue;
+        anew = old < min(-least, value - least);
+        if (anew) weight[half_] = 0.0;
+      }
       tsdf[half_] = (tsdf[half_] * weight[half_] + value * gain) / (weight[half_] + gain);
       weight[half_] = min(weight[half_] + gain, max_weight);
       changed = true;
       if (params.size.w != 0 && distance_ < truncation)
-        fuseColour(chunk, first_colour + 2u * pair + half_, colour_image[pixel]);
+        fuseColour(chunk, first_colour + 2u * pair + half_, colour_image[pixel], anew);
     }
     if (changed) {
       settsdfWord(chunk, first_word + pair, packSnorm2x16(tsdf));

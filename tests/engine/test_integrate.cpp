@@ -18,7 +18,7 @@ constexpr reference::DepthNoise kNoise{.floor = 0.005f, .growth = 0.0005f};
 
 struct Wrong {
   double voxel_size = 1, truncation = 1, max_weight = 1, focal = 1, centre = 0, shift = 0, turn = 0;
-  double floor = 1, growth = 1;
+  double floor = 1, growth = 1, deviations = 1;
 };
 
 class Integrate : public ValidatingDevice, public ::testing::WithParamInterface<Intrinsics> {
@@ -29,10 +29,10 @@ class Integrate : public ValidatingDevice, public ::testing::WithParamInterface<
     fuse({});
   }
 
-  void fuse(const reference::DepthNoise& noise) {
+  void fuse(const reference::DepthNoise& noise, const VolumeOptions& volume = kVolume) {
     Sequence sequence = makeSequence(GetParam(), kFrames, 31);
     sequence.sensor.noise = noise;
-    run_.emplace(device(), sequence, kVolume);
+    run_.emplace(device(), sequence, volume);
     allocated_.clear();
     for (int i = 0; i < kFrames; ++i) {
       run_->fuse(i);
@@ -45,6 +45,8 @@ class Integrate : public ValidatingDevice, public ::testing::WithParamInterface<
     reference::TsdfMap map({.voxel_size = kVolume.voxel_size * wrong.voxel_size,
                             .truncation = kVolume.truncation * wrong.truncation,
                             .max_weight = kVolume.max_weight * wrong.max_weight,
+                            .thin_walls = run_->volume.options().thin_walls,
+                            .thin_walls_deviations = 4 * wrong.deviations,
                             .noise = {.floor = run_->sequence.sensor.noise.floor * wrong.floor,
                                       .growth = run_->sequence.sensor.noise.growth * wrong.growth}});
     Intrinsics camera = GetParam();
@@ -116,6 +118,23 @@ TEST_P(Integrate, DepthsWeighByTheirNoise) {
   EXPECT_GT(capped, 500u);
 }
 
+TEST_P(Integrate, OfViewsThatContradictEachOtherBehindASurfaceOneCounts) {
+  VolumeOptions options = kVolume;
+  options.thin_walls = true;
+  fuse(kNoise, options);
+  const reference::TsdfMap map = referenceMap();
+  EXPECT_TRUE(agrees(compare(map, inReferenceTypes(contents_)), kSkippedShare));
+  EXPECT_TRUE(agrees(compareColour(map, inReferenceTypes(contents_)), kSkippedShare));
+  EXPECT_TRUE(differs(compareWith({.deviations = 1.1})));
+  std::size_t replaced = 0, kept = 0;
+  for (const auto& [block, voxels] : map.blocks())
+    for (const auto& voxel : voxels) {
+      replaced += voxel.replaced;
+      kept += voxel.kept;
+    }
+  EXPECT_GT(std::min(replaced, kept), 50u) << replaced << ' ' << kept;
+}
+
 TEST_P(Integrate, EveryDepthWeighsAtLeastOneUnit) {
   // All depths are beyond 0.8 m, where this noise leaves less than 1/256.
   fuse({.floor = 0.005f, .growth = 1});
@@ -171,6 +190,41 @@ TEST_F(IntegrateRules, ColourCanComeAndGo) {
   const auto after = run.volume.download();
   EXPECT_EQ(before.colour, after.colour);
   EXPECT_NE(before.weight, after.weight);
+}
+
+// Half its thickness before and behind z = 0, seen from either side 1.3 m away, in turns of some frames.
+TEST_F(IntegrateRules, AThinWallKeepsBothItsSides) {
+  constexpr double kHalf = 0.015, kAway = 1.3;
+  Sequence sequence = makeSequence(kPlainCamera, 2, 37);
+  sequence.poses = {Pose::Identity(), Pose::Identity()};
+  sequence.poses[0].translation().z() = -kAway;
+  sequence.poses[1].translation().z() = kAway;
+  sequence.poses[1].linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  sequence.sensor.noise.floor = 0.004;  // the sides differ by 2 cm at the voxels between them
+  for (auto& image : sequence.images)
+    std::fill(image.depth.begin(), image.depth.end(), std::lround((kAway - kHalf) * 5000));
+  const auto worstError = [&](bool thin_walls) {
+    VolumeOptions options{.voxel_size = 0.02f, .truncation = 0.06f};
+    options.thin_walls = thin_walls;
+    SceneRun run(device(), sequence, options);
+    for (const int side : {0, 0, 0, 1, 1, 1, 0}) run.fuse(side);
+    const VolumeContents contents = run.volume.download();
+    // Voxels (0, 0, k), from k = -4 on.
+    std::array<double, 8> tsdf{};
+    for (std::size_t slot = 1; slot < contents.blocks.size(); ++slot)
+      for (int k = -4; k < 4; ++k)
+        if (contents.blocks[slot] == glm::ivec4(0, 0, k < 0 ? -1 : 0, contents.blocks[slot].w))
+          tsdf[k + 4] = contents.tsdf[512 * slot + 64 * (k & 7)];
+    double front = 1, back = 1;
+    for (int i = 0; i + 1 < 8; ++i) {
+      const double z = 0.02 * (i - 3.5 + tsdf[i] / (tsdf[i] - tsdf[i + 1]));
+      if (tsdf[i] > 0 && tsdf[i + 1] <= 0) front = z;
+      if (tsdf[i] <= 0 && tsdf[i + 1] > 0) back = z;
+    }
+    return std::max(std::abs(front + kHalf), std::abs(back - kHalf));
+  };
+  EXPECT_LT(worstError(true), 0.002);
+  EXPECT_GT(worstError(false), 0.01);
 }
 
 TEST_F(IntegrateRules, BlocksBeyondFarAreLeftAlone) {

@@ -61,7 +61,7 @@ const std::map<std::string, ShaderStruct>& structsInCpp() {
       STRUCT(IntegrateParams, MEMBER(IntegrateParams, camera_from_world),
              MEMBER(IntegrateParams, focal_centre), MEMBER(IntegrateParams, size),
              MEMBER(IntegrateParams, noise_floor), MEMBER(IntegrateParams, noise_growth),
-             MEMBER(IntegrateParams, pad0), MEMBER(IntegrateParams, pad1)),
+             MEMBER(IntegrateParams, thin_walls), MEMBER(IntegrateParams, pad0)),
       STRUCT(FarthestParams, MEMBER(FarthestParams, size)),
       STRUCT(PreprocessParams, MEMBER(PreprocessParams, focal_centre), MEMBER(PreprocessParams, size),
              MEMBER(PreprocessParams, metres_per_unit), MEMBER(PreprocessParams, min_depth),

@@ -71,6 +71,28 @@ void TsdfMap::update(Voxel& voxel, const Eigen::Vector3d& in_camera, const Point
   if (distance < -options_.truncation) return;
 
   const double value = std::min(1.0, distance / options_.truncation);
+  if (options_.thin_walls && voxel.weight > 0) {
+    // Half a voxel, or what noise makes likely; in truncations.
+    const double least =
+        std::max(options_.thin_walls_deviations * options_.noise.deviation(z), 0.5 * options_.voxel_size) /
+        options_.truncation;
+    const double error = voxel.tsdf_error + distance_error / options_.truncation + 1e-6;
+    const auto below = [&](double a, double b) {
+      voxel.uncertain |= std::abs(a - b) < error;
+      return a < b;
+    };
+    // The two halves of the truth behind surfaces: the largest of all that was seen.
+    if (below(value, -least) && below(value, voxel.tsdf - least) && below(voxel.tsdf, least)) {
+      voxel.kept = true;
+      return;
+    }
+    if (below(voxel.tsdf, -least) && below(voxel.tsdf, value - least)) {
+      voxel.replaced = true;
+      voxel.tsdf_error = voxel.weight = voxel.weight_error = 0;
+      voxel.updates = 0;
+      if (distance < options_.truncation) voxel.colour_updates = 0;
+    }
+  }
   const double gain = std::max(options_.noise.weight(z), kWeightUnit), total = voxel.weight + gain;
   // Errors of the old mean count by its share; those of its weight move the mean towards or from the value.
   const double weight_error = voxel.weight_error;

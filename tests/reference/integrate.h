@@ -15,6 +15,9 @@ struct TsdfOptions {
   double voxel_size = 0.04;
   double truncation = 0.12;
   double max_weight = 128;
+  bool thin_walls =
+      false;  ///< of views that contradict each other behind surfaces, the larger distance counts
+  double thin_walls_deviations = 4;  ///< of the noise, the least contradiction
   DepthNoise noise;  ///< a depth weighs its inverse variance, at least one unit of the stored weights
 };
 
@@ -22,6 +25,7 @@ struct Voxel {
   double tsdf = 1;  ///< units of the truncation
   double weight = 0;
   int updates = 0;
+  bool replaced = false, kept = false;  ///< by or against a view that contradicted, with thin_walls
   double tsdf_error = 0;  ///< the most that storing tsdf and weight after each update may have added up to
   double weight_error = 0;
   Eigen::Vector3d rgb{0, 0, 0};  ///< [0, 255]
