@@ -154,6 +154,11 @@ TEST_F(PipelineTest, ACameraThatWasCarriedAcrossTheRoomIsFoundByWhatItKnowsOfThe
     EXPECT_LT(result.fit->usable, 0.5);
     EXPECT_LT(errorAt(i, result.fit->world_from_camera, sequence), 0.02);
   }
+  // The unknown half may be a hand.
+  const FrameResult third = pipeline.processFrame(sequence.frames[kFound + 2]);
+  EXPECT_EQ(third.status, TrackingStatus::Relocalised) << third.reason;
+  EXPECT_LT(third.fit->usable, 0.5);
+  EXPECT_FALSE(third.fused);
 }
 
 TEST_F(PipelineTest, WithAHandBeforeTheCameraNothingIsFusedUntilItIsGone) {
