@@ -11,6 +11,7 @@
 #include "engine/passes/raycast.h"
 #include "host/bench/native_fitness.h"
 #include "host/bench/stopwatch.h"
+#include "host/frame_fuser.h"
 #include "host/log_to_spdlog.h"
 #include "host/shader_types.h"
 #include "host/swarm/template_sampling.h"
@@ -69,10 +70,7 @@ class Bench {
         camera_(toShader(sequence_.intrinsics)),
         loss_(options.settings.swarm.loss == FitnessLoss::kSquared ? Loss::Squared : Loss::Absolute),
         recorder_(device),
-        volume_(device, {static_cast<float>(options.settings.volume.voxel_size),
-                         static_cast<float>(options.settings.volume.truncation),
-                         static_cast<float>(options.settings.volume.max_weight),
-                         options.settings.volume.colour, options.settings.volume.memory_limit_mb << 20}),
+        volume_(device, volumeOptions(options.settings.volume)),
         frame_(device, camera_),
         allocate_(device),
         integrate_(device) {}

@@ -4,11 +4,17 @@
 #include <cmath>
 #include <limits>
 
+#include "host/frame_fuser.h"
 #include "host/log_to_spdlog.h"
 #include "host/shader_types.h"
 
 namespace rosefusion {
 namespace {
+
+VolumeOptions withoutColour(VolumeSettings settings) {
+  settings.colour = false;
+  return volumeOptions(settings);
+}
 
 /// Preprocess, allocate and integrate at poses that are given.
 class KnownPoseFusion {
@@ -18,9 +24,7 @@ class KnownPoseFusion {
         camera_(toShader(info.intrinsics)),
         metres_per_unit_(static_cast<float>(1 / info.depth_units_per_metre)),
         recorder_(device),
-        volume_(device, {static_cast<float>(settings.volume.voxel_size),
-                         static_cast<float>(settings.volume.truncation),
-                         static_cast<float>(settings.volume.max_weight), false, 0}),
+        volume_(device, withoutColour(settings.volume)),
         frame_(device, camera_),
         allocate_(device),
         integrate_(device) {}
