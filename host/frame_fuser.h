@@ -9,6 +9,7 @@
 
 namespace rosefusion {
 
+/// What the settings ask of the model's volume.
 VolumeOptions volumeOptions(const VolumeSettings& settings);
 
 /// Holds the current frame on the device. recordSearch() and grow(), repeated while grow() says so, come

@@ -73,7 +73,7 @@ class Tracker {
   std::unique_ptr<PoseMethod> other_method_;  ///< none: the product's own
   SearchObserver observer_;
   Course course_;
-  std::optional<Course> accepted_;  ///< as it was before poses were supposed; none where none are
+  std::optional<Course> accepted_;  ///< as it was before the poses supposed now; none where none are
   std::vector<Pose> keyframes_;     ///< fused poses, spread over the model
 };
 

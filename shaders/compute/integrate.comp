@@ -76,8 +76,8 @@ void main() {
       }
       float value = min(distance_ / truncation, 1.0);
       float gain = max(depthWeight(params.noise_floor, params.noise_growth, z), 1.0 / kWeightOne);
-      // How far the space behind a surface is filled, a view only guesses: never too little. Of two guesses that differ by more
-      // than noise the one closer to a surface is right; the mean would be neither of a thin wall's two sides.
+      // A solid lies behind every surface seen of it: behind surfaces, of two distances that differ by more than noise the larger
+      // is right, and their mean would be neither of a thin wall's two sides.
       bool anew = false;
       if (params.thin_walls != 0u && weight[half_] > 0.0) {
         float least = contradiction(z), old = tsdf[half_];

@@ -81,7 +81,7 @@ void TsdfMap::update(Voxel& voxel, const Eigen::Vector3d& in_camera, const Point
       voxel.uncertain |= std::abs(a - b) < error;
       return a < b;
     };
-    // The two halves of the truth behind surfaces: the largest of all that was seen.
+    // A solid lies behind every surface seen of it, so its distance is the largest of all views'.
     if (below(value, -least) && below(value, voxel.tsdf - least) && below(voxel.tsdf, least)) {
       voxel.kept = true;
       return;
