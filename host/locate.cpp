@@ -9,6 +9,9 @@ constexpr double kScanShift = 0.5, kScanTurn = 0.25;
 constexpr std::size_t kScanKept = 3;
 constexpr int kFromAfar = 2;                         // times as far apart are the pixels looked at
 constexpr double kSameShift = 0.1, kSameTurn = 0.1;  // of two descents to one pose
+// How far beside the best places others are tried. A descent comes from about a truncation away.
+constexpr double kAsides[] = {-0.4, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.4};
+constexpr std::size_t kLookedBeside = 2;
 
 void keepBest(std::vector<ScannedPose>& scanned, std::size_t most) {
   std::stable_sort(scanned.begin(), scanned.end(),
@@ -20,6 +23,19 @@ std::vector<Pose> posesOf(const std::vector<ScannedPose>& scanned) {
   std::vector<Pose> poses;
   for (const ScannedPose& pose : scanned) poses.push_back(pose.world_from_camera);
   return poses;
+}
+
+/// Sorted by cost, without those that lead to the same pose as a better one.
+std::vector<PoseFit> distinct(std::vector<PoseFit> fits) {
+  std::stable_sort(fits.begin(), fits.end(),
+                   [](const PoseFit& a, const PoseFit& b) { return a.cost < b.cost; });
+  std::vector<PoseFit> kept;
+  for (const PoseFit& fit : fits)
+    if (std::none_of(kept.begin(), kept.end(), [&](const PoseFit& other) {
+          return areNear(fit.world_from_camera, other.world_from_camera, kSameShift, kSameTurn);
+        }))
+      kept.push_back(fit);
+  return kept;
 }
 
 }  // namespace
@@ -48,17 +64,31 @@ TrackResult locate(SwarmSearch& search, Refiner& refiner, const RefineSettings& 
     for (const PoseFit& fit :
          refiner.refine(volume, std::vector<Pose>{start}, settings.coarse_iterations, start))
       fits.push_back(fit);
-  std::stable_sort(fits.begin(), fits.end(),
-                   [](const PoseFit& a, const PoseFit& b) { return a.cost < b.cost; });
-  for (const PoseFit& fit : fits)
-    if (std::none_of(result.candidates.begin(), result.candidates.end(), [&](const PoseFit& other) {
-          return areNear(fit.world_from_camera, other.world_from_camera, kSameShift, kSameTurn);
-        }))
-      result.candidates.push_back(fit);
+  result.candidates = distinct(std::move(fits));
   result.fit = result.candidates.front();
   result.world_from_camera = result.fit->world_from_camera;
   result.lookups += kVoxelsPerPoint * refiner.takePointsRead();
   return result;
+}
+
+void lookBeside(Refiner& refiner, const RefineSettings& settings, const Volume& volume, TrackResult& found) {
+  std::vector<PoseFit> fits = found.candidates;
+  for (std::size_t i = 0; i < std::min(kLookedBeside, found.candidates.size()); ++i) {
+    const PoseFit& place = found.candidates[i];
+    std::vector<Pose> beside;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double aside : kAsides) {
+        beside.push_back(place.world_from_camera);
+        beside.back().translation() += aside * place.facing.col(axis);
+      }
+    for (const PoseFit& fit :
+         refiner.refine(volume, beside, settings.coarse_iterations, place.world_from_camera))
+      fits.push_back(fit);
+  }
+  found.candidates = distinct(std::move(fits));
+  found.fit = found.candidates.front();
+  found.world_from_camera = found.fit->world_from_camera;
+  found.lookups += kVoxelsPerPoint * refiner.takePointsRead();
 }
 
 std::vector<Pose> narrowDown(Refiner& refiner, const RefineSettings& settings, const PreprocessPass& frame,

@@ -15,6 +15,10 @@ TrackResult locate(SwarmSearch& search, Refiner& refiner, const RefineSettings& 
                    std::size_t followed = 0, const SearchObserver& observer = {},
                    std::span<const Pose> more = {});
 
+/// After locate(), to its candidates: those some decimetres beside the best of them, across the surfaces in
+/// view. A wall and a window's pane behind it fit each other so well that the wrong one can cost less.
+void lookBeside(Refiner& refiner, const RefineSettings& settings, const Volume& volume, TrackResult& found);
+
 /// Poses within some centimetres and degrees of where the camera may be, let down in the coarse model
 /// `overview`: what locate() takes as `more`.
 std::vector<Pose> narrowDown(Refiner& refiner, const RefineSettings& settings, const PreprocessPass& frame,

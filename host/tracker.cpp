@@ -132,7 +132,10 @@ TrackResult Tracker::find(const PreprocessPass& frame, const Volume& volume, dou
   const std::size_t expected = centres.size() - (soon ? 0 : 1);
   centres.insert(centres.end(), keyframes_.begin(), keyframes_.end());
   const std::vector<Pose> more = narrowDown(refiner_, settings_.refine, frame, overview, std::move(places));
-  return locate(search_, refiner_, settings_.refine, frame, volume, centres, expected, observer_, more);
+  TrackResult found =
+      locate(search_, refiner_, settings_.refine, frame, volume, centres, expected, observer_, more);
+  lookBeside(refiner_, settings_.refine, volume, found);
+  return found;
 }
 
 void Tracker::Course::goOn(const Pose& world_from_camera, double timestamp) {

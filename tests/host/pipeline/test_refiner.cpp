@@ -1,6 +1,8 @@
 // The descent onto the surface: from some centimetres and degrees off it comes back to the pose that was
 // fused.
 #include "host/refiner.h"
+
+#include "host/locate.h"
 #include "tests/engine/scene_run.h"
 #include "tests/engine/validating_device.h"
 
@@ -74,6 +76,19 @@ TEST_F(RefinerTest, ComesBackToTheFusedPose) {
     EXPECT_GT(fits[i].usable, 0.8);
     EXPECT_LT(fits[i].cost, 0.2);
     EXPECT_GT(fits[i].constraint, settings_.refine.least_constraint);
+  }
+}
+
+TEST_F(RefinerTest, BesideAWrongPlaceTheRightOneIsFound) {
+  fuse(makeSequence(kOddCamera, kFrames, 81));
+  for (const Eigen::Vector3d& aside : {Eigen::Vector3d(0.45, 0, 0), Eigen::Vector3d(0, 0.45, 0)}) {
+    SCOPED_TRACE(aside.transpose());
+    TrackResult found;
+    found.candidates = refine({off(aside, 0, {1, 0, 0})}, truth_);
+    ASSERT_GT(shiftOf(found.candidates.front().world_from_camera), 0.2) << "out of a descent's reach";
+    lookBeside(*refiner_, settings_.refine, run_->volume, found);
+    EXPECT_GT(found.candidates.size(), 1u);
+    EXPECT_LT(shiftOf(found.world_from_camera), 10 * kShiftTolerance) << "few iterations: near";
   }
 }
 
