@@ -63,21 +63,8 @@ void judge(const TrackingSettings& limits, FrameResult& result) {
   }
 }
 
-constexpr double kIntrudingWhenFound = 0.5;
-// Of what reads a distance. Tracked frames of recordings have 0.84 and more, 99 % of them 0.88; wrong places
-// in an office with many alike 0.83 and less (tests/bench/NOTES.md).
-constexpr double kCloseWhenFound = 0.85;
-constexpr double kShareOfNext = 0.5;
-// Where a place contradicts nothing that was seen, less of the image need be known: right poses of kidnapped
-// flights have .97, .06 and .2 of these at worst, wrong ones .96, .2 and 1 at best (tests/bench/NOTES.md).
-constexpr struct {
-  double close, through, missing;  ///< of what reads a distance; of tracking.intruding_share
-  double share;                    ///< then asked for, of what is asked for otherwise
-} kFirm{0.95, 0.2, 0.4, 0.6};
-constexpr double kElsewhere = 0.3;    // metres and radians: two places that look alike are none
 constexpr std::size_t kPlaces = 48;   // from afar, looked at closely
 constexpr double kThroughCounts = 2;  // against a place, for every patch that meets the model
-constexpr int kConfirmations = 2;     // frames after the one that was found again
 
 // The noise of colours feigns slopes: worked out for a model of one image of a white wall, 3 m away, it seems
 // to hold the pose by 4 times refine.least_constraint.
@@ -206,69 +193,33 @@ std::vector<Pose> Pipeline::likelyPlaces(const Frame& frame) const {
   return poses;
 }
 
-std::optional<PoseFit> Pipeline::believe(const Frame& frame, const TrackResult& found, bool unsure) const {
-  const double intruding = settings_.tracking.intruding_share;
-  // A frame that agrees with the one found before it may see more that is new.
-  const double share = (unsure ? 1 : kShareOfNext) * settings_.tracking.relocalised_share;
-  std::optional<PoseFit> believed;
-  const auto consider = [&](const PoseFit& fit) {
-    const Pose& pose = fit.world_from_camera;
-    const double constraint = kWeakConstraint * settings_.refine.least_constraint;
-    if (!fit.holds(kFirm.share * share, constraint)) return true;
-    if (unsure && fit.close < kCloseWhenFound * fit.usable) return true;
-    const double through = seen_through_.shareOfAll(frame.depth, pose);
-    if (through > kIntrudingWhenFound * intruding) return true;
-    const double missing = seen_through_.shareMissing(frame.depth, pose);
-    if (missing > intruding) return true;
-    const bool firm = fit.close >= kFirm.close * fit.usable && through <= kFirm.through * intruding &&
-                      missing <= kFirm.missing * intruding;
-    if (!firm && fit.usable < share) return true;
-    if (!believed) believed = fit;
-    return areNear(believed->world_from_camera, pose, kElsewhere, kElsewhere);
-  };
-  if (found.candidates.empty()) {
-    consider(*found.fit);
-    return believed;
-  }
-  const bool alone = std::all_of(found.candidates.begin(), found.candidates.end(), consider);
-  return alone ? believed : std::nullopt;
-}
-
-/// Once lost or in doubt, several frames must agree before one is fused; once lost, two before one is told:
-/// at times an image fits a wrong place, but the next hardly does. One of them must show mostly what is
-/// known: a hand where nothing was seen before contradicts nothing, and would be fused.
 void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result) {
-  const bool was_lost = tracker_.isLost() || unconfirmed_ > 0;
-  const std::optional<PoseFit> believed = believe(frame, found, unsure);
+  using Standing = Confirmation::Standing;
+  const std::optional<PoseFit> believed = believe(settings_, seen_through_, frame.depth, found, unsure);
   if (believed) result.fit = believed;
   result.intruding = seen_through_.shareOfAll(frame.depth, result.fit->world_from_camera);
-  if (!believed) {
-    unconfirmed_ = 0;
+  const Standing standing =
+      confirmation_.next(believed, settings_.tracking.relocalised_share, unsure, tracker_.isLost());
+  if (standing == Standing::Refused) {
     result.status = TrackingStatus::Lost;
     result.reason = "the frame fits nowhere in the model surely enough";
-    return;
-  }
-  known_again_ = (!unsure && known_again_) || believed->usable >= settings_.tracking.relocalised_share;
-  if (unsure)
-    unconfirmed_ = kConfirmations;
-  else if (unconfirmed_ > 1 || known_again_)
-    --unconfirmed_;
-  if (unsure && was_lost) {
+  } else if (standing == Standing::Supposed) {
     supposed_ = believed->world_from_camera;
     result.status = TrackingStatus::Lost;
-    result.reason = "found again, it seems; told once the next frame agrees";
-    return;
-  }
-  result.world_from_camera = believed->world_from_camera;
-  if (unconfirmed_ == 0) {
+    result.reason = "found again, it seems; told once the next frames agree";
+  } else if (standing == Standing::Agreeing) {
+    result.world_from_camera = believed->world_from_camera;
+    result.status = TrackingStatus::Relocalised;
+    result.reason = unsure ? "a sudden change; fused once the next frames agree"
+                    : confirmation_.knows()
+                        ? "agrees with the frame before; fused once one more does"
+                        : "agrees with the frame before; fused once more of what it shows is known";
+  } else {
+    result.world_from_camera = believed->world_from_camera;
     result.status = TrackingStatus::Tracked;
     result.score = tracker_.score(fuser_.frame(), volume_, result.world_from_camera);
-    return judgeConstraint(settings_.refine, result);
+    judgeConstraint(settings_.refine, result);
   }
-  result.status = TrackingStatus::Relocalised;
-  result.reason = unsure         ? "a sudden change; fused once the next frames agree"
-                  : known_again_ ? "agrees with the frame before; fused once one more does"
-                                 : "agrees with the frame before; fused once more of what it shows is known";
 }
 
 void Pipeline::track(const Frame& frame, FrameResult& result) {
@@ -289,7 +240,7 @@ void Pipeline::track(const Frame& frame, FrameResult& result) {
   result.lookups = found.lookups;
   result.fit = found.fit;
   const bool unsure = tracker_.isLost() || found.doubtful;
-  if (unsure || unconfirmed_ > 0) return confirm(frame, found, unsure, result);
+  if (unsure || confirmation_.isAwaited()) return confirm(frame, found, unsure, result);
   result.score = tracker_.score(fuser_.frame(), volume_, found.world_from_camera);
   judge(settings_.tracking, result);
   judgeConstraint(settings_.refine, result);
@@ -329,7 +280,7 @@ void Pipeline::requireFixedPoses() const {
 void Pipeline::accept(const Pose& world_from_camera, double timestamp, const cv::Mat& depth) {
   if (!depth.empty()) seen_through_.keep(depth, world_from_camera, posed_frames_);
   started_ = true;
-  unconfirmed_ = 0;
+  confirmation_.end();
   const std::size_t number = posed_frames_++;
   if (!tracker_.accept(world_from_camera, timestamp, true) || depth.empty()) return;
   fuser_.recordFrame(recorder_, Frame{timestamp, depth, {}, {}});

@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 
+#include "host/belief.h"
 #include "host/frame_fuser.h"
 #include "host/log.h"
 #include "host/loops/loop_closer.h"
@@ -83,10 +84,6 @@ class Pipeline {
   void track(const Frame& frame, FrameResult& result);
   /// Where the surfaces in the image lie on known ones and not where there was nothing: for a lost camera.
   std::vector<Pose> likelyPlaces(const Frame& frame) const;
-  /// Of the poses found, least cost first, the one that everything seen speaks for: the image shows what
-  /// should be there and nothing where there was nothing. None where two places would do. `unsure`: nothing
-  /// else speaks for it.
-  std::optional<PoseFit> believe(const Frame& frame, const TrackResult& found, bool unsure) const;
   void confirm(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result);
   bool isIntruded(const FrameResult& result);
   void closeLoops(const Frame& frame, FrameResult& result);
@@ -107,8 +104,7 @@ class Pipeline {
   std::size_t posed_frames_ = 0;       ///< so far, as the loop closer counts them
   bool started_ = false;
   bool intruded_ = false;
-  int unconfirmed_ = 0;       ///< frames that must still agree before frames are fused again
-  bool known_again_ = false;  ///< whether one that agreed showed tracking.relocalised_share of what is known
+  Confirmation confirmation_;
   std::optional<Pose> supposed_;  ///< of the last frame: where a lost camera may be
 };
 

@@ -1,0 +1,50 @@
+// Whether a pose found for a lost camera, or after a sudden change, is believed: what one image must show for
+// it, and how many images must agree before it is told and fused.
+#pragma once
+#include <optional>
+
+#include "host/pose_method.h"
+#include "host/seen_through.h"
+
+namespace rosefusion {
+
+/// After a loss the next frames must know at least this share of tracking.relocalised_share, too.
+inline constexpr double kShareOfNext = 0.5;
+/// Whether what intruded is gone, of tracking.intruding_share.
+inline constexpr double kIntrudingWhenFound = 0.5;
+
+/// Of the poses found, least cost first, the one that everything seen speaks for: the image (as Frame::depth)
+/// shows what should be there and nothing where there was nothing. None where two places would do. `unsure`:
+/// nothing else speaks for it.
+std::optional<PoseFit> believe(const Settings& settings, const SeenThrough& seen, const cv::Mat& depth,
+                               const TrackResult& found, bool unsure);
+
+/// At times an image fits a wrong place, but the next hardly does: once lost or in doubt, three frames must
+/// agree before one is fused; once lost, two before one is told, and three while none of them shows mostly
+/// what is known. Without one that does nothing is fused: a hand where nothing was seen before contradicts
+/// nothing.
+class Confirmation {
+ public:
+  enum class Standing {
+    Refused,
+    Supposed,  ///< not to be told
+    Agreeing,  ///< not to be fused
+    Confirmed
+  };
+
+  /// Whether the frames before await more that agree with them.
+  bool isAwaited() const { return agreed_ > 0; }
+  /// Whether a frame of those that agree showed tracking.relocalised_share of what is known.
+  bool knows() const { return knows_; }
+  /// After a frame that was unsure, or while isAwaited(). `believed`: what believe() says of it. `lost`: that
+  /// the frame before it had no pose.
+  Standing next(const std::optional<PoseFit>& believed, double relocalised_share, bool unsure, bool lost);
+  void end() { agreed_ = 0; }
+
+ private:
+  int agreed_ = 0;  ///< frames in turn, since one that was unsure
+  bool knows_ = false;
+  bool was_lost_ = false;
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,69 @@
+// How many frames must agree before one is told, and before one is fused.
+#include "host/belief.h"
+
+#include <gtest/gtest.h>
+
+namespace rosefusion::testing {
+namespace {
+
+using Standing = Confirmation::Standing;
+constexpr double kShare = 0.5;
+
+std::optional<PoseFit> showing(double usable) {
+  PoseFit fit;
+  fit.usable = usable;
+  return fit;
+}
+
+TEST(Confirmation, ALostCameraIsToldAtTheSecondFrameAndFusedAtTheThird) {
+  Confirmation c;
+  EXPECT_FALSE(c.isAwaited());
+  EXPECT_EQ(c.next(showing(0.8), kShare, true, true), Standing::Supposed);
+  EXPECT_TRUE(c.isAwaited());
+  EXPECT_EQ(c.next(showing(0.8), kShare, false, false), Standing::Agreeing);
+  EXPECT_TRUE(c.isAwaited());
+  EXPECT_EQ(c.next(showing(0.8), kShare, false, false), Standing::Confirmed);
+  EXPECT_FALSE(c.isAwaited());
+}
+
+TEST(Confirmation, ASuddenChangeIsToldAtOnceAndFusedAtTheThird) {
+  Confirmation c;
+  EXPECT_EQ(c.next(showing(0.8), kShare, true, false), Standing::Agreeing);
+  EXPECT_EQ(c.next(showing(0.8), kShare, false, false), Standing::Agreeing);
+  EXPECT_EQ(c.next(showing(0.8), kShare, false, false), Standing::Confirmed);
+}
+
+TEST(Confirmation, ASecondChangeWhileOneIsAwaitedBeginsAnewAsAfterALoss) {
+  Confirmation c;
+  EXPECT_EQ(c.next(showing(0.8), kShare, true, false), Standing::Agreeing);
+  EXPECT_EQ(c.next(showing(0.8), kShare, true, false), Standing::Supposed);
+  EXPECT_EQ(c.next(showing(0.8), kShare, false, false), Standing::Agreeing);
+  EXPECT_EQ(c.next(showing(0.8), kShare, false, false), Standing::Confirmed);
+}
+
+TEST(Confirmation, NothingIsFusedBeforeAFrameKnowsEnoughOfItsView) {
+  Confirmation c;
+  EXPECT_EQ(c.next(showing(0.4), kShare, true, true), Standing::Supposed);
+  EXPECT_EQ(c.next(showing(0.4), kShare, false, false), Standing::Supposed) << "and told a frame later";
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_EQ(c.next(showing(0.4), kShare, false, false), Standing::Agreeing);
+    EXPECT_FALSE(c.knows());
+  }
+  EXPECT_EQ(c.next(showing(0.5), kShare, false, false), Standing::Confirmed);
+  // What an earlier place knew speaks for no other.
+  EXPECT_EQ(c.next(showing(0.4), kShare, true, true), Standing::Supposed);
+  EXPECT_FALSE(c.knows());
+}
+
+TEST(Confirmation, AFrameThatFitsNowhereEndsIt) {
+  Confirmation c;
+  EXPECT_EQ(c.next(showing(0.8), kShare, true, true), Standing::Supposed);
+  EXPECT_EQ(c.next({}, kShare, false, false), Standing::Refused);
+  EXPECT_FALSE(c.isAwaited());
+  c.next(showing(0.8), kShare, true, true);
+  c.end();
+  EXPECT_FALSE(c.isAwaited());
+}
+
+}  // namespace
+}  // namespace rosefusion::testing
