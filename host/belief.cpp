@@ -19,13 +19,13 @@ constexpr int kToldAt = 2, kFusedAt = 3;
 
 }  // namespace
 
-std::optional<PoseFit> believe(const Settings& settings, const SeenThrough& seen, const cv::Mat& depth,
-                               const TrackResult& found, bool unsure) {
+std::optional<Believed> believe(const Settings& settings, const SeenThrough& seen, const cv::Mat& depth,
+                                const TrackResult& found, bool unsure) {
   const double intruding = settings.tracking.intruding_share;
   // A frame that agrees with the one found before it may see more that is new.
   const double share = (unsure ? 1 : kShareOfNext) * settings.tracking.relocalised_share;
   const double constraint = kWeakConstraint * settings.refine.least_constraint;
-  std::optional<PoseFit> believed;
+  std::optional<Believed> believed;
   const auto consider = [&](const PoseFit& fit) {
     const Pose& pose = fit.world_from_camera;
     if (!fit.holds(kFirm.share * share, constraint)) return true;
@@ -37,8 +37,8 @@ std::optional<PoseFit> believe(const Settings& settings, const SeenThrough& seen
     const bool firm = fit.close >= kFirm.close * fit.usable && through <= kFirm.through * intruding &&
                       missing <= kFirm.missing * intruding;
     if (!firm && fit.usable < share) return true;
-    if (!believed) believed = fit;
-    return areNear(believed->world_from_camera, pose, kElsewhere, kElsewhere);
+    if (!believed) believed = {fit, firm};
+    return areNear(believed->fit.world_from_camera, pose, kElsewhere, kElsewhere);
   };
   if (found.candidates.empty()) {
     consider(*found.fit);
@@ -48,7 +48,7 @@ std::optional<PoseFit> believe(const Settings& settings, const SeenThrough& seen
   return alone ? believed : std::nullopt;
 }
 
-Confirmation::Standing Confirmation::next(const std::optional<PoseFit>& believed, double relocalised_share,
+Confirmation::Standing Confirmation::next(const std::optional<Believed>& believed, double relocalised_share,
                                           bool unsure, bool lost) {
   if (!believed) {
     end();
@@ -57,11 +57,13 @@ Confirmation::Standing Confirmation::next(const std::optional<PoseFit>& believed
   if (unsure) {
     was_lost_ = lost || isAwaited();
     agreed_ = 0;
-    knows_ = false;
+    knows_ = knows_firmly_ = false;
   }
   ++agreed_;
-  knows_ = knows_ || believed->usable >= relocalised_share;
-  if (was_lost_ && agreed_ < (knows_ ? kToldAt : kFusedAt)) return Standing::Supposed;
+  const bool knows = believed->fit.usable >= relocalised_share;
+  knows_ = knows_ || knows;
+  knows_firmly_ = knows_firmly_ || (knows && believed->firm);
+  if (was_lost_ && agreed_ < (knows_firmly_ ? kToldAt : kFusedAt)) return Standing::Supposed;
   if (!knows_ || agreed_ < kFusedAt) return Standing::Agreeing;
   end();
   return Standing::Confirmed;

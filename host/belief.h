@@ -13,16 +13,21 @@ inline constexpr double kShareOfNext = 0.5;
 /// Whether what intruded is gone, of tracking.intruding_share.
 inline constexpr double kIntrudingWhenFound = 0.5;
 
+struct Believed {
+  PoseFit fit;
+  bool firm = false;  ///< contradicts next to nothing that was seen before
+};
+
 /// Of the poses found, least cost first, the one that everything seen speaks for: the image (as Frame::depth)
 /// shows what should be there and nothing where there was nothing. None where two places would do. `unsure`:
 /// nothing else speaks for it.
-std::optional<PoseFit> believe(const Settings& settings, const SeenThrough& seen, const cv::Mat& depth,
-                               const TrackResult& found, bool unsure);
+std::optional<Believed> believe(const Settings& settings, const SeenThrough& seen, const cv::Mat& depth,
+                                const TrackResult& found, bool unsure);
 
 /// At times an image fits a wrong place, but the next hardly does: once lost or in doubt, three frames must
-/// agree before one is fused; once lost, two before one is told, and three while none of them shows mostly
-/// what is known. Without one that does nothing is fused: a hand where nothing was seen before contradicts
-/// nothing.
+/// agree before one is fused. Once lost, two before one is told, of which one is firm and shows mostly what
+/// is known, else three. While none shows mostly what is known nothing is fused: a hand where nothing was
+/// seen before contradicts nothing.
 class Confirmation {
  public:
   enum class Standing {
@@ -38,12 +43,12 @@ class Confirmation {
   bool knows() const { return knows_; }
   /// After a frame that was unsure, or while isAwaited(). `believed`: what believe() says of it. `lost`: that
   /// the frame before it had no pose.
-  Standing next(const std::optional<PoseFit>& believed, double relocalised_share, bool unsure, bool lost);
+  Standing next(const std::optional<Believed>& believed, double relocalised_share, bool unsure, bool lost);
   void end() { agreed_ = 0; }
 
  private:
   int agreed_ = 0;  ///< frames in turn, since one that was unsure
-  bool knows_ = false;
+  bool knows_ = false, knows_firmly_ = false;
   bool was_lost_ = false;
 };
 

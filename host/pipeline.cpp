@@ -195,8 +195,8 @@ std::vector<Pose> Pipeline::likelyPlaces(const Frame& frame) const {
 
 void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result) {
   using Standing = Confirmation::Standing;
-  const std::optional<PoseFit> believed = believe(settings_, seen_through_, frame.depth, found, unsure);
-  if (believed) result.fit = believed;
+  const std::optional<Believed> believed = believe(settings_, seen_through_, frame.depth, found, unsure);
+  if (believed) result.fit = believed->fit;
   result.intruding = seen_through_.shareOfAll(frame.depth, result.fit->world_from_camera);
   const Standing standing =
       confirmation_.next(believed, settings_.tracking.relocalised_share, unsure, tracker_.isLost());
@@ -204,18 +204,18 @@ void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure
     result.status = TrackingStatus::Lost;
     result.reason = "the frame fits nowhere in the model surely enough";
   } else if (standing == Standing::Supposed) {
-    supposed_ = believed->world_from_camera;
+    supposed_ = result.fit->world_from_camera;
     result.status = TrackingStatus::Lost;
     result.reason = "found again, it seems; told once the next frames agree";
   } else if (standing == Standing::Agreeing) {
-    result.world_from_camera = believed->world_from_camera;
+    result.world_from_camera = result.fit->world_from_camera;
     result.status = TrackingStatus::Relocalised;
     result.reason = unsure ? "a sudden change; fused once the next frames agree"
                     : confirmation_.knows()
                         ? "agrees with the frame before; fused once one more does"
                         : "agrees with the frame before; fused once more of what it shows is known";
   } else {
-    result.world_from_camera = believed->world_from_camera;
+    result.world_from_camera = result.fit->world_from_camera;
     result.status = TrackingStatus::Tracked;
     result.score = tracker_.score(fuser_.frame(), volume_, result.world_from_camera);
     judgeConstraint(settings_.refine, result);

@@ -9,10 +9,11 @@ namespace {
 using Standing = Confirmation::Standing;
 constexpr double kShare = 0.5;
 
-std::optional<PoseFit> showing(double usable) {
-  PoseFit fit;
-  fit.usable = usable;
-  return fit;
+std::optional<Believed> showing(double usable, bool firm = true) {
+  Believed out;
+  out.fit.usable = usable;
+  out.firm = firm;
+  return out;
 }
 
 TEST(Confirmation, ALostCameraIsToldAtTheSecondFrameAndFusedAtTheThird) {
@@ -53,6 +54,13 @@ TEST(Confirmation, NothingIsFusedBeforeAFrameKnowsEnoughOfItsView) {
   // What an earlier place knew speaks for no other.
   EXPECT_EQ(c.next(showing(0.4), kShare, true, true), Standing::Supposed);
   EXPECT_FALSE(c.knows());
+}
+
+TEST(Confirmation, WhatContradictsALittleIsToldAtTheThirdFrame) {
+  Confirmation c;
+  EXPECT_EQ(c.next(showing(0.8, false), kShare, true, true), Standing::Supposed);
+  EXPECT_EQ(c.next(showing(0.4, true), kShare, false, false), Standing::Supposed);
+  EXPECT_EQ(c.next(showing(0.8, false), kShare, false, false), Standing::Confirmed);
 }
 
 TEST(Confirmation, AFrameThatFitsNowhereEndsIt) {

@@ -284,6 +284,34 @@ TEST_F(PipelineTest, ALostCameraIsFoundAgainFromElsewhere) {
   }
 }
 
+// As before a hand that fits a wall elsewhere. No camera turns so far between two frames, but a sensor says
+// so.
+TEST_F(PipelineTest, AViewThatIsSuddenlyUnknownMustBeConfirmed) {
+  SynthOptions options;
+  options.seed = 924;
+  options.frames = 2;
+  options.intrinsics = {320, 240, 160, 160, 159.5, 119.5};
+  const SynthPlan plan(options);
+  const Pose world = plan.truth()[0].world_from_camera;
+  for (const double turn : {0.25, 0.65}) {
+    SCOPED_TRACE(turn);
+    const CameraMotion motion{Pose(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitY())), true};
+    Pipeline pipeline(device(), loadSettings("default"), options.intrinsics, kSynthDepthUnitsPerMetre);
+    for (int i = 0; i < 4; ++i) {
+      Frame frame = frameFrom(plan, world, 0.03 * i);
+      frame.motion = CameraMotion{Pose::Identity(), true};
+      ASSERT_TRUE(pipeline.processFrame(frame).fused);
+    }
+    Frame frame = frameFrom(plan, world * motion.last_camera_from_camera, 0.12);
+    frame.motion = motion;
+    const FrameResult result = pipeline.processFrame(frame);
+    ASSERT_TRUE(result.fit);
+    EXPECT_LT((result.world_from_camera.translation()).norm(), 0.02);
+    EXPECT_EQ(result.status, turn < 0.5 ? TrackingStatus::Tracked : TrackingStatus::Relocalised)
+        << result.fit->usable << " " << result.reason;
+  }
+}
+
 TEST_F(PipelineTest, FramesFromAnotherRoomAreLostAndNotFused) {
   const SynthSequence sequence = makeShortSequence(905, 8), other = makeShortSequence(906, 4);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
