@@ -57,14 +57,15 @@ Confirmation::Standing Confirmation::next(const std::optional<Believed>& believe
   if (unsure) {
     was_lost_ = lost || isAwaited();
     agreed_ = 0;
-    knows_ = knows_firmly_ = false;
+    firm_ = knows_ = knows_firmly_ = false;
   }
   ++agreed_;
   const bool knows = believed->fit.usable >= relocalised_share;
+  firm_ = firm_ || believed->firm;
   knows_ = knows_ || knows;
   knows_firmly_ = knows_firmly_ || (knows && believed->firm);
   if (was_lost_ && agreed_ < (knows_firmly_ ? kToldAt : kFusedAt)) return Standing::Supposed;
-  if (!knows_ || agreed_ < kFusedAt) return Standing::Agreeing;
+  if (!knows_ || agreed_ < kFusedAt || firm_ != believed->firm) return Standing::Agreeing;
   end();
   return Standing::Confirmed;
 }

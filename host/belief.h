@@ -25,9 +25,9 @@ std::optional<Believed> believe(const Settings& settings, const SeenThrough& see
                                 const TrackResult& found, bool unsure);
 
 /// At times an image fits a wrong place, but the next hardly does: once lost or in doubt, three frames must
-/// agree before one is fused. Once lost, two before one is told, of which one is firm and shows mostly what
-/// is known, else three. While none shows mostly what is known nothing is fused: a hand where nothing was
-/// seen before contradicts nothing.
+/// agree before one is fused, which is firm if one of the others was. Once lost, two before one is told, of
+/// which one is firm and shows mostly what is known, else three. While none shows mostly what is known
+/// nothing is fused: a hand where nothing was seen before contradicts nothing.
 class Confirmation {
  public:
   enum class Standing {
@@ -47,8 +47,8 @@ class Confirmation {
   void end() { agreed_ = 0; }
 
  private:
-  int agreed_ = 0;  ///< frames in turn, since one that was unsure
-  bool knows_ = false, knows_firmly_ = false;
+  int agreed_ = 0;                                            ///< frames in turn, since one that was unsure
+  bool firm_ = false, knows_ = false, knows_firmly_ = false;  ///< one of them
   bool was_lost_ = false;
 };
 

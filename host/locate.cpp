@@ -12,6 +12,7 @@ constexpr double kSameShift = 0.1, kSameTurn = 0.1;  // of two descents to one p
 // How far beside the best places others are tried. A descent comes from about a truncation away.
 constexpr double kAsides[] = {-0.4, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.4};
 constexpr std::size_t kLookedBeside = 2;
+constexpr int kRounds = 3;  // while they lead to a better one, which may still be on its way along a valley
 
 void keepBest(std::vector<ScannedPose>& scanned, std::size_t most) {
   std::stable_sort(scanned.begin(), scanned.end(),
@@ -72,20 +73,24 @@ TrackResult locate(SwarmSearch& search, Refiner& refiner, const RefineSettings& 
 }
 
 void lookBeside(Refiner& refiner, const RefineSettings& settings, const Volume& volume, TrackResult& found) {
-  std::vector<PoseFit> fits = found.candidates;
-  for (std::size_t i = 0; i < std::min(kLookedBeside, found.candidates.size()); ++i) {
-    const PoseFit& place = found.candidates[i];
-    std::vector<Pose> beside;
-    for (int axis = 0; axis < 3; ++axis)
-      for (const double aside : kAsides) {
-        beside.push_back(place.world_from_camera);
-        beside.back().translation() += aside * place.facing.col(axis);
-      }
-    for (const PoseFit& fit :
-         refiner.refine(volume, beside, settings.coarse_iterations, place.world_from_camera))
-      fits.push_back(fit);
+  for (int round = 0; round < kRounds; ++round) {
+    const Pose best = found.candidates.front().world_from_camera;
+    std::vector<PoseFit> fits = found.candidates;
+    for (std::size_t i = 0; i < std::min(kLookedBeside, found.candidates.size()); ++i) {
+      const PoseFit& place = found.candidates[i];
+      std::vector<Pose> beside;
+      for (int axis = 0; axis < 3; ++axis)
+        for (const double aside : kAsides) {
+          beside.push_back(place.world_from_camera);
+          beside.back().translation() += aside * place.facing.col(axis);
+        }
+      for (const PoseFit& fit :
+           refiner.refine(volume, beside, settings.coarse_iterations, place.world_from_camera))
+        fits.push_back(fit);
+    }
+    found.candidates = distinct(std::move(fits));
+    if (areNear(best, found.candidates.front().world_from_camera, kSameShift, kSameTurn)) break;
   }
-  found.candidates = distinct(std::move(fits));
   found.fit = found.candidates.front();
   found.world_from_camera = found.fit->world_from_camera;
   found.lookups += kVoxelsPerPoint * refiner.takePointsRead();

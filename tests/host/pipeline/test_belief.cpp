@@ -60,6 +60,14 @@ TEST(Confirmation, WhatContradictsALittleIsToldAtTheThirdFrame) {
   Confirmation c;
   EXPECT_EQ(c.next(showing(0.8, false), kShare, true, true), Standing::Supposed);
   EXPECT_EQ(c.next(showing(0.4, true), kShare, false, false), Standing::Supposed);
+  EXPECT_EQ(c.next(showing(0.8, false), kShare, false, false), Standing::Agreeing) << "the second was firm";
+  EXPECT_EQ(c.next(showing(0.8, true), kShare, false, false), Standing::Confirmed);
+}
+
+TEST(Confirmation, WithoutAFirmFrameThreeAreEnough) {
+  Confirmation c;
+  EXPECT_EQ(c.next(showing(0.8, false), kShare, true, true), Standing::Supposed);
+  EXPECT_EQ(c.next(showing(0.8, false), kShare, false, false), Standing::Supposed);
   EXPECT_EQ(c.next(showing(0.8, false), kShare, false, false), Standing::Confirmed);
 }
 
