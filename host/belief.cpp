@@ -65,7 +65,7 @@ Confirmation::Standing Confirmation::next(const std::optional<Believed>& believe
   knows_ = knows_ || knows;
   knows_firmly_ = knows_firmly_ || (knows && believed->firm);
   if (was_lost_ && agreed_ < (knows_firmly_ ? kToldAt : kFusedAt)) return Standing::Supposed;
-  if (!knows_ || agreed_ < kFusedAt || firm_ != believed->firm) return Standing::Agreeing;
+  if (!knows_ || agreed_ < kFusedAt || (firm_ && !believed->firm)) return Standing::Agreeing;
   end();
   return Standing::Confirmed;
 }

@@ -8,7 +8,8 @@
 
 namespace rosefusion {
 
-/// After a loss the next frames must know at least this share of tracking.relocalised_share, too.
+/// Of tracking.relocalised_share: what a frame must know of its view where the frame before speaks for its
+/// pose.
 inline constexpr double kShareOfNext = 0.5;
 /// Whether what intruded is gone, of tracking.intruding_share.
 inline constexpr double kIntrudingWhenFound = 0.5;

@@ -39,6 +39,14 @@ std::vector<PoseFit> distinct(std::vector<PoseFit> fits) {
   return kept;
 }
 
+/// Makes the distinct fits the candidates, and the best of them the result.
+void conclude(std::vector<PoseFit> fits, Refiner& refiner, TrackResult& result) {
+  result.candidates = distinct(std::move(fits));
+  result.fit = result.candidates.front();
+  result.world_from_camera = result.fit->world_from_camera;
+  result.lookups += kVoxelsPerPoint * refiner.takePointsRead();
+}
+
 }  // namespace
 
 TrackResult locate(SwarmSearch& search, Refiner& refiner, const RefineSettings& settings,
@@ -65,10 +73,7 @@ TrackResult locate(SwarmSearch& search, Refiner& refiner, const RefineSettings& 
     for (const PoseFit& fit :
          refiner.refine(volume, std::vector<Pose>{start}, settings.coarse_iterations, start))
       fits.push_back(fit);
-  result.candidates = distinct(std::move(fits));
-  result.fit = result.candidates.front();
-  result.world_from_camera = result.fit->world_from_camera;
-  result.lookups += kVoxelsPerPoint * refiner.takePointsRead();
+  conclude(std::move(fits), refiner, result);
   return result;
 }
 
@@ -88,12 +93,9 @@ void lookBeside(Refiner& refiner, const RefineSettings& settings, const Volume& 
            refiner.refine(volume, beside, settings.coarse_iterations, place.world_from_camera))
         fits.push_back(fit);
     }
-    found.candidates = distinct(std::move(fits));
-    if (areNear(best, found.candidates.front().world_from_camera, kSameShift, kSameTurn)) break;
+    conclude(std::move(fits), refiner, found);
+    if (areNear(best, found.candidates.front().world_from_camera, kSameShift, kSameTurn)) return;
   }
-  found.fit = found.candidates.front();
-  found.world_from_camera = found.fit->world_from_camera;
-  found.lookups += kVoxelsPerPoint * refiner.takePointsRead();
 }
 
 std::vector<Pose> narrowDown(Refiner& refiner, const RefineSettings& settings, const PreprocessPass& frame,

@@ -65,7 +65,6 @@ struct Refiner::LocalModel {
   Vector6 gradient;
   Matrix6 hold = Matrix6::Zero();  ///< weight of the expected pose, per direction
   double constraint = 0;
-  Eigen::Matrix3d facing = Eigen::Matrix3d::Identity();
   double cost_unit = 0;  ///< of the normal equations' weights, in those of the cost
   /// A step moves the gain by gain_step + gain_slope * step.
   Vector6 gain_slope = Vector6::Zero();
@@ -83,7 +82,6 @@ struct Refiner::LocalModel {
     scale.tail<3>().setConstant(1 / std::sqrt(turns));
     const Eigen::SelfAdjointEigenSolver<Matrix6> solver(scale.asDiagonal() * hessian * scale.asDiagonal());
     constraint = std::max(0.0, solver.eigenvalues()[0]);
-    facing = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(hessian.topLeftCorner<3, 3>()).eigenvectors();
     const Vector6 missing = (least_constraint - solver.eigenvalues().array()).max(0.0);
     const Vector6 unscale = scale.cwiseInverse();
     hold = unscale.asDiagonal() * solver.eigenvectors() * missing.asDiagonal() *
@@ -175,7 +173,8 @@ PoseFit Refiner::fitOf(const Descent& d) const {
   PoseFit fit;
   fit.world_from_camera = d.place.pose;
   fit.constraint = d.model.constraint;
-  fit.facing = d.model.facing;
+  fit.facing =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(d.model.hessian.topLeftCorner<3, 3>()).eigenvectors();
   const RefineSums& sums = d.at.depth;
   if (sums[shader::kRefineMostCost] > 0) {
     fit.cost = sums[shader::kRefineCost] / sums[shader::kRefineMostCost];
