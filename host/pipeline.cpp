@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <numeric>
 #include <utility>
 
 #include "host/error.h"
@@ -64,7 +65,7 @@ void judge(const TrackingSettings& limits, FrameResult& result) {
 }
 
 constexpr std::size_t kPlaces = 48;   // from afar, looked at closely
-constexpr double kThroughCounts = 2;  // against a place, for every patch that meets the model
+constexpr double kAgainstCounts = 4;  // what speaks against a place, to the patches that meet the model
 
 // The noise of colours feigns slopes: worked out for a model of one image of a white wall, 3 m away, it seems
 // to hold the pose by 4 times refine.least_constraint.
@@ -182,15 +183,19 @@ bool Pipeline::isIntruded(const FrameResult& result) {
 }
 
 std::vector<Pose> Pipeline::likelyPlaces(const Frame& frame) const {
-  std::vector<AgreeingPose> places = overview_.placesOf(frame.depth);
-  for (AgreeingPose& place : places)
-    place.met -= kThroughCounts * seen_through_.glance(frame.depth, place.world_from_camera);
-  std::stable_sort(places.begin(), places.end(),
-                   [](const AgreeingPose& a, const AgreeingPose& b) { return a.met > b.met; });
+  const std::vector<AgreeingPose> places = overview_.placesOf(frame.depth);
   std::vector<Pose> poses;
-  for (const AgreeingPose& place : places)
-    if (poses.size() < kPlaces) poses.push_back(place.world_from_camera);
-  return poses;
+  for (const AgreeingPose& place : places) poses.push_back(place.world_from_camera);
+  const std::vector<double> against = seen_through_.glance(frame.depth, poses);
+  std::vector<std::size_t> order(places.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto likeliness = [&](std::size_t i) { return places[i].met - kAgainstCounts * against[i]; };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return likeliness(a) > likeliness(b); });
+  std::vector<Pose> likely;
+  for (const std::size_t i : order)
+    if (likely.size() < kPlaces) likely.push_back(poses[i]);
+  return likely;
 }
 
 void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result) {

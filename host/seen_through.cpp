@@ -13,6 +13,7 @@ constexpr int kKeptStride = 4;  // of those remembered
 constexpr double kMargin = 0.1, kMarginShare = 0.05;
 constexpr int kGlances = 10;  // over the image's width
 constexpr double kGlanceMargin = 2.5;
+constexpr int kFewKnown = 10;  // pixels of earlier images in view say little about a pose
 // A view is worth keeping where none is within this.
 constexpr double kViewShift = 0.4, kViewTurn = 0.4;
 
@@ -63,13 +64,13 @@ bool SeenThrough::seesThrough(const View& view, const Eigen::Vector3d& world, do
   return nearest - p.z() > margin * std::max(kMargin, kMarginShare * p.z());
 }
 
-bool SeenThrough::shows(const View& view, const Eigen::Vector3d& world) const {
+bool SeenThrough::shows(const View& view, const Eigen::Vector3d& world, double margin) const {
   const Eigen::Vector3d p = view.camera_from_world * world;
   if (p.z() <= 0) return false;
   const Eigen::Vector2d pixel = camera_.project(p) / kKeptStride;
   const int u = static_cast<int>(std::lround(pixel.x())), v = static_cast<int>(std::lround(pixel.y()));
   if (u < 0 || v < 0 || u >= view.depth.cols || v >= view.depth.rows) return false;
-  return std::abs(view.depth.at<float>(v, u) - p.z()) < std::max(kMargin, kMarginShare * p.z());
+  return std::abs(view.depth.at<float>(v, u) - p.z()) < margin * std::max(kMargin, kMarginShare * p.z());
 }
 
 template <typename Test>
@@ -99,14 +100,6 @@ double SeenThrough::shareOfAll(const cv::Mat& depth, const Pose& world_from_came
   });
 }
 
-double SeenThrough::glance(const cv::Mat& depth, const Pose& world_from_camera) const {
-  return shareWhere(
-      depth, world_from_camera, std::max(kStride, depth.cols / kGlances), [&](const Eigen::Vector3d& world) {
-        return std::any_of(keyframes_.begin(), keyframes_.end(),
-                           [&](const View& view) { return seesThrough(view, world, kGlanceMargin); });
-      });
-}
-
 double SeenThrough::shareMissing(const cv::Mat& depth, const Pose& world_from_camera) const {
   View now = shrunk(depth, world_from_camera);
   int expected = 0, missing = 0;
@@ -122,6 +115,36 @@ double SeenThrough::shareMissing(const cv::Mat& depth, const Pose& world_from_ca
         expected += through || shows(now, world);
       }
   return expected ? static_cast<double>(missing) / expected : 0;
+}
+
+std::vector<double> SeenThrough::glance(const cv::Mat& depth, std::span<const Pose> places) const {
+  std::vector<Eigen::Vector3d> known;
+  for (const View& view : keyframes_) {
+    const int stride = std::max(1, view.depth.cols / kGlances);
+    for (int v = stride / 2; v < view.depth.rows; v += stride)
+      for (int u = stride / 2; u < view.depth.cols; u += stride)
+        if (const double z = view.depth.at<float>(v, u); z > 0)
+          known.push_back(view.world_from_camera * camera_.unproject(u * kKeptStride, v * kKeptStride, z));
+  }
+  View now = shrunk(depth, Pose::Identity());
+  std::vector<double> against;
+  for (const Pose& place : places) {
+    now.camera_from_world = place.inverse();
+    int expected = 0, missing = 0;
+    for (const Eigen::Vector3d& world : known) {
+      const bool through = seesThrough(now, world, kGlanceMargin);
+      missing += through;
+      expected += through || shows(now, world, kGlanceMargin);
+    }
+    const double intruding =
+        shareWhere(depth, place, std::max(kStride, depth.cols / kGlances), [&](const Eigen::Vector3d& world) {
+          return std::any_of(keyframes_.begin(), keyframes_.end(), [&](const View& view) {
+            return seesThrough(view, world, kGlanceMargin);
+          });
+        });
+    against.push_back(intruding + static_cast<double>(missing) / std::max(expected, kFewKnown));
+  }
+  return against;
 }
 
 }  // namespace rosefusion

@@ -28,11 +28,13 @@ class SeenThrough {
   double shareOfLast(const cv::Mat& depth, const Pose& world_from_camera) const;
   /// The same for all that was kept.
   double shareOfAll(const cv::Mat& depth, const Pose& world_from_camera) const;
-  /// The same of few pixels, for a pose that may be off by a decimetre and some degrees.
-  double glance(const cv::Mat& depth, const Pose& world_from_camera) const;
   /// The other way round: of the surfaces in all that was kept and that should now be in view, the share that
   /// the image looks through. Small where the pose is right and the scene unchanged.
   double shareMissing(const cv::Mat& depth, const Pose& world_from_camera) const;
+
+  /// Both together, of few pixels, for poses that may be off by some decimetres and degrees: for each of
+  /// `places`, world_from_camera, how much speaks against it.
+  std::vector<double> glance(const cv::Mat& depth, std::span<const Pose> places) const;
 
  private:
   struct View {
@@ -42,7 +44,7 @@ class SeenThrough {
   };
   View shrunk(const cv::Mat& depth, const Pose& world_from_camera) const;
   /// Whether the view shows a surface at this point.
-  bool shows(const View& view, const Eigen::Vector3d& world) const;
+  bool shows(const View& view, const Eigen::Vector3d& world, double margin = 1) const;
   double metresAt(const cv::Mat& depth, int u, int v) const;
   /// Whether the view shows nothing but surfaces well behind this point, a pixel of its own around.
   bool seesThrough(const View& view, const Eigen::Vector3d& world, double margin = 1) const;

@@ -96,10 +96,17 @@ TEST_F(SeenThroughTest, AfterACorrectionImagesAreWhereTheirFramesAre) {
 
 TEST_F(SeenThroughTest, AGlanceForgivesADecimetre) {
   seen_.keep(wall(), at(0, 0, 0), 0);
-  EXPECT_EQ(seen_.glance(wall(), at(0, 0, -0.3)), 0);
+  const auto glance = [&](const cv::Mat& depth, const Pose& place) {
+    return seen_.glance(depth, std::vector<Pose>{place}).at(0);
+  };
+  EXPECT_EQ(glance(wall(), at(0, 0, -0.3)), 0);
   EXPECT_GT(seen_.shareOfAll(wall(), at(0, 0, -0.3)), 0.6);
-  EXPECT_GT(seen_.glance(wall(), at(0, 0, -0.6)), 0.6);
-  EXPECT_NEAR(seen_.glance(withHand(wall()), at(0, 0, 0)), 0.5, 0.07);
+  EXPECT_GT(glance(wall(), at(0, 0, -0.6)), 0.6) << "the wall seems nearer than it was seen";
+  EXPECT_EQ(glance(wall(), at(0, 0, 0.3)), 0);
+  EXPECT_GT(seen_.shareMissing(wall(), at(0, 0, 0.3)), 0.6);
+  EXPECT_GT(glance(wall(), at(0, 0, 0.6)), 0.6) << "the wall that was seen is not there";
+  EXPECT_NEAR(glance(withHand(wall()), at(0, 0, 0)), 0.5, 0.07);
+  EXPECT_EQ(glance(wall(), at(20, 0, 0)), 0) << "nothing is known there";
 }
 
 }  // namespace
