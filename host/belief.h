@@ -19,16 +19,29 @@ struct Believed {
   bool firm = false;  ///< contradicts next to nothing that was seen before
 };
 
+/// How well the frames that are fused fit: how a camera and a scene do is not known beforehand.
+class UsualFit {
+ public:
+  /// Of a frame that was fused.
+  void add(const PoseFit& fit);
+  /// Of what reads a distance, the share that must lie close to a surface at a place where a lost camera is
+  /// found.
+  double leastClose() const;
+
+ private:
+  std::optional<double> close_;  ///< its mean, of some ten frames
+};
+
 /// Of the poses found, least cost first, the one that everything seen speaks for: the image (as Frame::depth)
 /// shows what should be there and nothing where there was nothing. None where two places would do. `unsure`:
-/// nothing else speaks for it.
-std::optional<Believed> believe(const Settings& settings, const SeenThrough& seen, const cv::Mat& depth,
-                                const TrackResult& found, bool unsure);
+/// nothing else speaks for it; it must then fit as well as is usual.
+std::optional<Believed> believe(const Settings& settings, const SeenThrough& seen, const UsualFit& usual,
+                                const cv::Mat& depth, const TrackResult& found, bool unsure);
 
 /// At times an image fits a wrong place, but the next hardly does: once lost or in doubt, three frames must
 /// agree before one is fused, which is firm if one of the others was. Once lost, two before one is told, of
-/// which one is firm and shows mostly what is known, else three. While none shows mostly what is known
-/// nothing is fused: a hand where nothing was seen before contradicts nothing.
+/// which one is firm and shows mostly what is known, else three. While none shows mostly what is known ten
+/// must agree, and nothing is fused: a hand where nothing was seen before contradicts nothing.
 class Confirmation {
  public:
   enum class Standing {

@@ -144,6 +144,7 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
     const StageTimer timer(result.milliseconds.integrate);
     fuser_.fuse(recorder_, volume_, result.world_from_camera);
     seen_through_.keep(frame.depth, result.world_from_camera, posed_frames_);
+    if (result.fit) usual_fit_.add(*result.fit);
     started_ = true;
   }
   if (result.status == TrackingStatus::Relocalised)
@@ -200,7 +201,8 @@ std::vector<Pose> Pipeline::likelyPlaces(const Frame& frame) const {
 
 void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result) {
   using Standing = Confirmation::Standing;
-  const std::optional<Believed> believed = believe(settings_, seen_through_, frame.depth, found, unsure);
+  const std::optional<Believed> believed =
+      believe(settings_, seen_through_, usual_fit_, frame.depth, found, unsure);
   if (believed) result.fit = believed->fit;
   result.intruding = seen_through_.shareOfAll(frame.depth, result.fit->world_from_camera);
   const Standing standing =

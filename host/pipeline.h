@@ -104,6 +104,7 @@ class Pipeline {
   std::size_t posed_frames_ = 0;       ///< so far, as the loop closer counts them
   bool started_ = false;
   bool intruded_ = false;
+  UsualFit usual_fit_;
   Confirmation confirmation_;
   std::optional<Pose> supposed_;  ///< of the last frame: where a lost camera may be
 };

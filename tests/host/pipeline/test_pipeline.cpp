@@ -146,14 +146,14 @@ TEST_F(PipelineTest, ACameraThatWasCarriedAcrossTheRoomIsFoundByWhatItKnowsOfThe
   showThenDarken(pipeline, sequence, kKnown);
   const auto positionAt = [&](std::size_t i) { return sequence.truth[i].world_from_camera.translation(); };
   for (std::size_t i = 0; i < kKnown; ++i) EXPECT_GT((positionAt(i) - positionAt(kFound)).norm(), 1.5);
-  // The unknown half may be a hand: told once three frames agree, and not fused.
-  for (std::size_t i = kFound; i < kFound + 4; ++i) {
+  // The unknown may be a hand, and the rest may look like another place: told once ten frames agree.
+  constexpr std::size_t kTold = kFound + 9;
+  for (std::size_t i = kFound; i <= kTold; ++i) {
     const FrameResult result = pipeline.processFrame(sequence.frames[i]);
-    EXPECT_EQ(result.status, i < kFound + 2 ? TrackingStatus::Lost : TrackingStatus::Relocalised)
-        << result.reason;
+    EXPECT_EQ(result.status, i < kTold ? TrackingStatus::Lost : TrackingStatus::Relocalised) << result.reason;
     ASSERT_TRUE(result.fit);
     EXPECT_LT(result.fit->usable, 0.5);
-    EXPECT_LT(errorAt(i, result.fit->world_from_camera, sequence), 0.02);
+    EXPECT_LT(errorAt(i, result.fit->world_from_camera, sequence), 0.02) << "frame " << i;
     EXPECT_FALSE(result.fused);
   }
 }
