@@ -55,7 +55,8 @@ std::size_t DisturbedSequence::indexInWhole(std::size_t index) const {
 
 double DisturbedSequence::viewReturns() const {
   constexpr double kEnough = 0.5;
-  constexpr std::size_t kEvery = 3;  // of the frames before: neighbours show the same
+  constexpr std::size_t kEvery = 3;   // of the frames before: neighbours show the same
+  constexpr std::size_t kStays = 15;  // frames, those that a tracker has to come back
   SeenBefore seen(info_.intrinsics, info_.depth_units_per_metre);
   Frame frame;
   std::string problem;
@@ -69,9 +70,11 @@ double DisturbedSequence::viewReturns() const {
   };
   for (std::size_t i = 0; i < first_; i += kEvery)
     if (whole_.read(i, frame, problem)) seen.add(frame, truthAt(i));
-  for (std::size_t i = first_ + count_; i < whole_.size(); ++i)
-    if (whole_.read(i, frame, problem) && seen.share(frame, truthAt(i)) >= kEnough)
-      return whole_.timestamp(i);
+  std::size_t in_turn = 0;
+  for (std::size_t i = first_ + count_; i < whole_.size(); ++i) {
+    in_turn = whole_.read(i, frame, problem) && seen.share(frame, truthAt(i)) >= kEnough ? in_turn + 1 : 0;
+    if (in_turn == kStays) return whole_.timestamp(i + 1 - kStays);
+  }
   return std::numeric_limits<double>::infinity();
 }
 
