@@ -1,6 +1,7 @@
 #include "host/belief.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace rosefusion {
 namespace {
@@ -8,17 +9,17 @@ namespace {
 // Of what reads a distance. Tracked frames of recordings have 0.84 and more, 99 % of them 0.88; wrong places
 // in an office with many alike 0.83 and less (tests/bench/NOTES.md).
 constexpr double kCloseWhenFound = 0.85;
-// Than is usual for a frame. 99 % of the fused frames of recordings are within 0.065 of the mean of those
-// before; of generated ones all, where a wrong place was 0.08 below it (room 1107 with a hand, NOTES.md).
-constexpr double kLessClose = 0.06, kNewest = 0.1;
+// Wrong places in two rooms had 0.05 and 0.08 less of it than is usual there, where frames differ by 0.002;
+// in freiburg1_rpy they differ by 0.02 (tests/bench/NOTES.md).
+constexpr double kLessClose = 0.03, kDeviations = 3, kNewest = 0.02;
 // Where a place contradicts nothing that was seen, less of the image need be known: right poses of kidnapped
 // flights have .97, .06 and .2 of these at worst, wrong ones .96, .2 and 1 at best (tests/bench/NOTES.md).
 constexpr struct {
   double close, through, missing;  ///< of what reads a distance; of tracking.intruding_share
   double share;                    ///< then asked for, of what is asked for otherwise
 } kFirm{0.95, 0.2, 0.4, 0.6};
-// Edges that a camera smears lie in space seen to be empty: of right poses of freiburg1_rpy up to 0.038 of the
-// image, of which 0.96 is known. Wrong places of which so much is known fit badly (tests/bench/NOTES.md).
+// Edges that a camera smears lie in space seen to be empty: of right poses of freiburg1_rpy up to 0.038 of
+// the image, of which 0.96 is known. Wrong places of which so much is known fit badly (tests/bench/NOTES.md).
 constexpr double kMostlyKnown = 0.8;
 constexpr double kElsewhere = 0.3;  // metres and radians: two places that look alike are none
 constexpr int kToldAt = 2, kFusedAt = 3;
@@ -29,16 +30,18 @@ constexpr int kToldUnknownAt = 10;
 
 void UsualFit::add(const PoseFit& fit) {
   if (fit.usable <= 0) return;
-  const double close = fit.close / fit.usable;
-  close_ = close_ ? *close_ + kNewest * (close - *close_) : close;
+  const double weight = std::max(1.0 / ++frames_, kNewest), off = fit.close / fit.usable - mean_;
+  mean_ += weight * off;
+  variance_ = (1 - weight) * (variance_ + weight * off * off);
 }
 
-double UsualFit::leastClose() const {
-  return close_ ? std::max(kCloseWhenFound, *close_ - kLessClose) : kCloseWhenFound;
+double UsualFit::leastClose(bool lost) const {
+  if (!lost) return kCloseWhenFound;
+  return std::max(kCloseWhenFound, mean_ - std::max(kLessClose, kDeviations * std::sqrt(variance_)));
 }
 
-std::optional<Believed> believe(const Settings& settings, const SeenThrough& seen, const UsualFit& usual,
-                                const cv::Mat& depth, const TrackResult& found, bool unsure) {
+std::optional<Believed> believe(const Settings& settings, const SeenThrough& seen, const cv::Mat& depth,
+                                const TrackResult& found, bool unsure, double least_close) {
   const double intruding = settings.tracking.intruding_share;
   // A frame that agrees with the one found before it may see more that is new.
   const double share = (unsure ? 1 : kShareOfNext) * settings.tracking.relocalised_share;
@@ -47,7 +50,7 @@ std::optional<Believed> believe(const Settings& settings, const SeenThrough& see
   const auto consider = [&](const PoseFit& fit) {
     const Pose& pose = fit.world_from_camera;
     if (!fit.holds(kFirm.share * share, constraint)) return true;
-    if (unsure && fit.close < usual.leastClose() * fit.usable) return true;
+    if (unsure && fit.close < least_close * fit.usable) return true;
     const double through = seen.shareOfAll(depth, pose);
     if (through > (fit.usable < kMostlyKnown ? kIntrudingWhenFound : 1) * intruding) return true;
     const double missing = seen.shareMissing(depth, pose);

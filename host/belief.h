@@ -24,19 +24,20 @@ class UsualFit {
  public:
   /// Of a frame that was fused.
   void add(const PoseFit& fit);
-  /// Of what reads a distance, the share that must lie close to a surface at a place where a lost camera is
-  /// found.
-  double leastClose() const;
+  /// Of what reads a distance, the share that must lie close to a surface at a place that is believed: of a
+  /// lost camera about as much as is usual.
+  double leastClose(bool lost) const;
 
  private:
-  std::optional<double> close_;  ///< its mean, of some ten frames
+  int frames_ = 0;
+  double mean_ = 0, variance_ = 0;  ///< of that share, the last fifty frames counting most
 };
 
 /// Of the poses found, least cost first, the one that everything seen speaks for: the image (as Frame::depth)
 /// shows what should be there and nothing where there was nothing. None where two places would do. `unsure`:
-/// nothing else speaks for it; it must then fit as well as is usual.
-std::optional<Believed> believe(const Settings& settings, const SeenThrough& seen, const UsualFit& usual,
-                                const cv::Mat& depth, const TrackResult& found, bool unsure);
+/// nothing else speaks for it; then `least_close` is asked of it, see UsualFit.
+std::optional<Believed> believe(const Settings& settings, const SeenThrough& seen, const cv::Mat& depth,
+                                const TrackResult& found, bool unsure, double least_close);
 
 /// At times an image fits a wrong place, but the next hardly does: once lost or in doubt, three frames must
 /// agree before one is fused, which is firm if one of the others was. Once lost, two before one is told, of

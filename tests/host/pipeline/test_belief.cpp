@@ -62,23 +62,30 @@ TEST(Confirmation, OnceOneKnewEnoughTheNextMayKnowLess) {
   EXPECT_EQ(c.next(showing(0.3), kShare, false, false), Standing::Confirmed);
 }
 
-TEST(UsualFit, AFoundPlaceMustFitAboutAsWellAsFramesDo) {
+PoseFit closeBy(double share) {
   PoseFit fit;
   fit.usable = 0.8;
+  fit.close = share * fit.usable;
+  return fit;
+}
+
+TEST(UsualFit, ALostCameraMustFitAboutAsWellAsItsFramesDo) {
   UsualFit usual;
-  const double unknown = usual.leastClose();
-  fit.close = 0.99 * fit.usable;
-  for (int i = 0; i < 50; ++i) usual.add(fit);
-  EXPECT_NEAR(usual.leastClose(), 0.93, 1e-9);
-  fit.close = 0.94 * fit.usable;  // a noisier camera
-  for (int i = 0; i < 100; ++i) usual.add(fit);
-  EXPECT_NEAR(usual.leastClose(), 0.88, 1e-3);
-  fit.close = 0.5 * fit.usable;
-  for (int i = 0; i < 100; ++i) usual.add(fit);
-  EXPECT_EQ(usual.leastClose(), unknown) << "bad tracking is no standard";
-  fit.usable = fit.close = 0;
-  usual.add(fit);
-  EXPECT_EQ(usual.leastClose(), unknown);
+  const double otherwise = usual.leastClose(false);
+  EXPECT_EQ(usual.leastClose(true), otherwise) << "nothing is usual yet";
+  for (int i = 0; i < 20; ++i) usual.add(closeBy(0.99));
+  EXPECT_NEAR(usual.leastClose(true), 0.96, 1e-6);
+  EXPECT_EQ(usual.leastClose(false), otherwise) << "a camera that is followed may see what is new";
+  usual.add(PoseFit{});
+  EXPECT_NEAR(usual.leastClose(true), 0.96, 1e-6) << "a frame that knows nothing says nothing";
+  for (int i = 0; i < 400; ++i) usual.add(closeBy(0.5));
+  EXPECT_EQ(usual.leastClose(true), otherwise) << "bad tracking is no standard";
+}
+
+TEST(UsualFit, WhereFramesDifferAFoundPlaceMayDifferAsMuch) {
+  UsualFit usual;
+  for (int i = 0; i < 400; ++i) usual.add(closeBy(i % 2 ? 0.98 : 0.94));
+  EXPECT_NEAR(usual.leastClose(true), 0.96 - 3 * 0.02, 0.002);
 }
 
 TEST(Confirmation, WhatContradictsALittleIsToldAtTheThirdFrame) {
