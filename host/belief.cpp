@@ -9,9 +9,10 @@ namespace {
 // Of what reads a distance. Tracked frames of recordings have 0.84 and more, 99 % of them 0.88; wrong places
 // in an office with many alike 0.83 and less (tests/bench/NOTES.md).
 constexpr double kCloseWhenFound = 0.85;
-// Wrong places in two rooms had 0.05 and 0.08 less of it than is usual there, where frames differ by 0.002;
-// in freiburg1_rpy they differ by 0.02 (tests/bench/NOTES.md).
-constexpr double kLessClose = 0.03, kDeviations = 3, kNewest = 0.02;
+// In generated rooms, where fused frames differ by 0.002, right places have at most 0.015 less of it than is
+// usual, wrong ones of which much is known 0.025 and more; in freiburg1_rpy frames differ by 0.02
+// (tests/bench/NOTES.md).
+constexpr double kLessClose = 0.02, kDeviations = 3, kNewest = 0.02;
 // Where a place contradicts nothing that was seen, less of the image need be known: right poses of kidnapped
 // flights have .97, .06 and .2 of these at worst, wrong ones .96, .2 and 1 at best (tests/bench/NOTES.md).
 constexpr struct {
@@ -19,7 +20,7 @@ constexpr struct {
   double share;                    ///< then asked for, of what is asked for otherwise
 } kFirm{0.95, 0.2, 0.4, 0.6};
 // Edges that a camera smears lie in space seen to be empty: of right poses of freiburg1_rpy up to 0.038 of
-// the image, of which 0.96 is known. Wrong places of which so much is known fit badly (tests/bench/NOTES.md).
+// the image, of which 0.96 is known, and as much is not close to a surface in a usual frame.
 constexpr double kMostlyKnown = 0.8;
 constexpr double kElsewhere = 0.3;  // metres and radians: two places that look alike are none
 constexpr int kToldAt = 2, kFusedAt = 3;
@@ -35,13 +36,16 @@ void UsualFit::add(const PoseFit& fit) {
   variance_ = (1 - weight) * (variance_ + weight * off * off);
 }
 
-double UsualFit::leastClose(bool lost) const {
-  if (!lost) return kCloseWhenFound;
-  return std::max(kCloseWhenFound, mean_ - std::max(kLessClose, kDeviations * std::sqrt(variance_)));
+AskedOfPlace UsualFit::asked(bool lost, double intruding_share) const {
+  AskedOfPlace out{kCloseWhenFound, kIntrudingWhenFound * intruding_share};
+  if (!lost || frames_ == 0) return out;
+  out.close = std::max(out.close, mean_ - std::max(kLessClose, kDeviations * std::sqrt(variance_)));
+  out.through = std::clamp(1 - mean_, out.through, intruding_share);
+  return out;
 }
 
 std::optional<Believed> believe(const Settings& settings, const SeenThrough& seen, const cv::Mat& depth,
-                                const TrackResult& found, bool unsure, double least_close) {
+                                const TrackResult& found, bool unsure, const AskedOfPlace& asked) {
   const double intruding = settings.tracking.intruding_share;
   // A frame that agrees with the one found before it may see more that is new.
   const double share = (unsure ? 1 : kShareOfNext) * settings.tracking.relocalised_share;
@@ -50,9 +54,9 @@ std::optional<Believed> believe(const Settings& settings, const SeenThrough& see
   const auto consider = [&](const PoseFit& fit) {
     const Pose& pose = fit.world_from_camera;
     if (!fit.holds(kFirm.share * share, constraint)) return true;
-    if (unsure && fit.close < least_close * fit.usable) return true;
+    if (unsure && fit.close < asked.close * fit.usable) return true;
     const double through = seen.shareOfAll(depth, pose);
-    if (through > (fit.usable < kMostlyKnown ? kIntrudingWhenFound : 1) * intruding) return true;
+    if (through > (fit.usable < kMostlyKnown ? kIntrudingWhenFound * intruding : asked.through)) return true;
     const double missing = seen.shareMissing(depth, pose);
     if (missing > intruding) return true;
     const bool firm = fit.close >= kFirm.close * fit.usable && through <= kFirm.through * intruding &&

@@ -19,25 +19,32 @@ struct Believed {
   bool firm = false;  ///< contradicts next to nothing that was seen before
 };
 
+/// What a place must show to be believed where nothing else speaks for it.
+struct AskedOfPlace {
+  double close;  ///< of what reads a distance, the share at least that must lie close to a surface
+  /// Of the image, the share at most that may lie in space seen to be empty, where next to all of the image
+  /// is known.
+  double through;
+};
+
 /// How well the frames that are fused fit: how a camera and a scene do is not known beforehand.
 class UsualFit {
  public:
   /// Of a frame that was fused.
   void add(const PoseFit& fit);
-  /// Of what reads a distance, the share that must lie close to a surface at a place that is believed: of a
-  /// lost camera about as much as is usual.
-  double leastClose(bool lost) const;
+  /// Of a lost camera about what is usual; of one that is followed, which may see what is new, less.
+  AskedOfPlace asked(bool lost, double intruding_share) const;
 
  private:
   int frames_ = 0;
-  double mean_ = 0, variance_ = 0;  ///< of that share, the last fifty frames counting most
+  double mean_ = 0, variance_ = 0;  ///< of the share that is close, the last fifty frames counting most
 };
 
 /// Of the poses found, least cost first, the one that everything seen speaks for: the image (as Frame::depth)
 /// shows what should be there and nothing where there was nothing. None where two places would do. `unsure`:
-/// nothing else speaks for it; then `least_close` is asked of it, see UsualFit.
+/// nothing else speaks for it; then its surfaces must be as close as is `asked`.
 std::optional<Believed> believe(const Settings& settings, const SeenThrough& seen, const cv::Mat& depth,
-                                const TrackResult& found, bool unsure, double least_close);
+                                const TrackResult& found, bool unsure, const AskedOfPlace& asked);
 
 /// At times an image fits a wrong place, but the next hardly does: once lost or in doubt, three frames must
 /// agree before one is fused, which is firm if one of the others was. Once lost, two before one is told, of

@@ -138,9 +138,8 @@ std::vector<double> SeenThrough::glance(const cv::Mat& depth, std::span<const Po
     }
     const double intruding =
         shareWhere(depth, place, std::max(kStride, depth.cols / kGlances), [&](const Eigen::Vector3d& world) {
-          return std::any_of(keyframes_.begin(), keyframes_.end(), [&](const View& view) {
-            return seesThrough(view, world, kGlanceMargin);
-          });
+          return std::any_of(keyframes_.begin(), keyframes_.end(),
+                             [&](const View& view) { return seesThrough(view, world, kGlanceMargin); });
         });
     against.push_back(intruding + static_cast<double>(missing) / std::max(expected, kFewKnown));
   }

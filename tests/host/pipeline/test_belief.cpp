@@ -69,23 +69,29 @@ PoseFit closeBy(double share) {
   return fit;
 }
 
+constexpr double kIntruding = 0.05;
+
 TEST(UsualFit, ALostCameraMustFitAboutAsWellAsItsFramesDo) {
   UsualFit usual;
-  const double otherwise = usual.leastClose(false);
-  EXPECT_EQ(usual.leastClose(true), otherwise) << "nothing is usual yet";
+  const AskedOfPlace otherwise = usual.asked(false, kIntruding);
+  EXPECT_EQ(usual.asked(true, kIntruding).close, otherwise.close) << "nothing is usual yet";
+  EXPECT_EQ(usual.asked(true, kIntruding).through, otherwise.through);
   for (int i = 0; i < 20; ++i) usual.add(closeBy(0.99));
-  EXPECT_NEAR(usual.leastClose(true), 0.96, 1e-6);
-  EXPECT_EQ(usual.leastClose(false), otherwise) << "a camera that is followed may see what is new";
+  EXPECT_NEAR(usual.asked(true, kIntruding).close, 0.97, 1e-6);
+  EXPECT_EQ(usual.asked(false, kIntruding).close, otherwise.close) << "it may see what is new";
   usual.add(PoseFit{});
-  EXPECT_NEAR(usual.leastClose(true), 0.96, 1e-6) << "a frame that knows nothing says nothing";
+  EXPECT_NEAR(usual.asked(true, kIntruding).close, 0.97, 1e-6) << "a frame that knows nothing says nothing";
   for (int i = 0; i < 400; ++i) usual.add(closeBy(0.5));
-  EXPECT_EQ(usual.leastClose(true), otherwise) << "bad tracking is no standard";
+  EXPECT_EQ(usual.asked(true, kIntruding).close, otherwise.close) << "bad tracking is no standard";
+  EXPECT_EQ(usual.asked(true, kIntruding).through, kIntruding);
 }
 
 TEST(UsualFit, WhereFramesDifferAFoundPlaceMayDifferAsMuch) {
   UsualFit usual;
   for (int i = 0; i < 400; ++i) usual.add(closeBy(i % 2 ? 0.98 : 0.94));
-  EXPECT_NEAR(usual.leastClose(true), 0.96 - 3 * 0.02, 0.002);
+  EXPECT_NEAR(usual.asked(true, kIntruding).close, 0.96 - 3 * 0.02, 0.002);
+  EXPECT_NEAR(usual.asked(true, kIntruding).through, 0.04, 0.001);
+  EXPECT_EQ(usual.asked(false, kIntruding).through, kIntrudingWhenFound * kIntruding);
 }
 
 TEST(Confirmation, WhatContradictsALittleIsToldAtTheThirdFrame) {
