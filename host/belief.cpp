@@ -36,9 +36,9 @@ void UsualFit::add(const PoseFit& fit) {
   variance_ = (1 - weight) * (variance_ + weight * off * off);
 }
 
-AskedOfPlace UsualFit::asked(bool lost, double intruding_share) const {
+AskedOfPlace UsualFit::asked(bool searching, double intruding_share) const {
   AskedOfPlace out{kCloseWhenFound, kIntrudingWhenFound * intruding_share};
-  if (!lost || frames_ == 0) return out;
+  if (!searching || frames_ == 0) return out;
   out.close = std::max(out.close, mean_ - std::max(kLessClose, kDeviations * std::sqrt(variance_)));
   out.through = std::clamp(1 - mean_, out.through, intruding_share);
   return out;

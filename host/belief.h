@@ -32,8 +32,9 @@ class UsualFit {
  public:
   /// Of a frame that was fused.
   void add(const PoseFit& fit);
-  /// Of a lost camera about what is usual; of one that is followed, which may see what is new, less.
-  AskedOfPlace asked(bool lost, double intruding_share) const;
+  /// While a camera is searched for, about what is usual; of one that is followed, which may see what is new,
+  /// less.
+  AskedOfPlace asked(bool searching, double intruding_share) const;
 
  private:
   int frames_ = 0;

@@ -201,9 +201,10 @@ std::vector<Pose> Pipeline::likelyPlaces(const Frame& frame) const {
 
 void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result) {
   using Standing = Confirmation::Standing;
+  const bool searching = tracker_.isLost() || confirmation_.isAwaited();
   const std::optional<Believed> believed =
       believe(settings_, seen_through_, frame.depth, found, unsure,
-              usual_fit_.asked(tracker_.isLost(), settings_.tracking.intruding_share));
+              usual_fit_.asked(searching, settings_.tracking.intruding_share));
   if (believed) result.fit = believed->fit;
   result.intruding = seen_through_.shareOfAll(frame.depth, result.fit->world_from_camera);
   const Standing standing =
