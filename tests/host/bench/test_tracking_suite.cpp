@@ -137,8 +137,8 @@ TEST_F(TrackingSuite, LostFramesAreFailures) {
 
 TEST_F(TrackingSuite, DisturbedFlightsAreJudgedByHowTheyComeBack) {
   options_.synth.frames = 90;
-  options_.synth.linear = {0.3, 0.5, 0.8};  // the view stays
-  options_.synth.angular.high = 0.5;
+  options_.synth.linear = options_.synth.linear.endingAt(0.8);  // the view stays
+  options_.synth.angular = options_.synth.angular.endingAt(0.5);
   options_.rooms = 1;
   options_.disturbances = {Disturbance::kCut, Disturbance::kBlack, Disturbance::kHand};
   options_.settings = loadSettings("default");
