@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "host/bench/seen_before.h"
+#include "host/bench/tracking_suite.h"
 #include "host/error.h"
 
 namespace rosefusion {
@@ -55,8 +56,8 @@ std::size_t DisturbedSequence::indexInWhole(std::size_t index) const {
 
 double DisturbedSequence::viewReturns() const {
   constexpr double kEnough = 0.5;
-  constexpr std::size_t kEvery = 3;   // of the frames before: neighbours show the same
-  constexpr std::size_t kStays = 15;  // frames, those that a tracker has to come back
+  constexpr std::size_t kEvery = 3;  // of the frames before: neighbours show the same
+  constexpr std::size_t kStays = Recovery::kMostFrames;
   SeenBefore seen(info_.intrinsics, info_.depth_units_per_metre);
   Frame frame;
   std::string problem;

@@ -25,8 +25,9 @@ class DisturbedSequence : public Sequence {
   double timestamp(std::size_t index) const override { return whole_.timestamp(indexInWhole(index)); }
   bool read(std::size_t index, Frame& frame, std::string& problem) override;
 
-  /// Stamp of the first frame after the disturbance of which, and of the 14 after it, at least half shows
-  /// what was seen before it, by the true poses; infinite where there is none. Reads many frames.
+  /// Stamp of the first frame after the disturbance from which on, for the Recovery::kMostFrames that a
+  /// tracker has to come back, at least half shows what was seen before it, by the true poses; infinite where
+  /// there is none. Reads many frames.
   double viewReturns() const;
 
  private:
