@@ -6,7 +6,9 @@ namespace rosefusion {
 namespace {
 
 constexpr double kScanShift = 0.5, kScanTurn = 0.25;
-constexpr std::size_t kScanKept = 3;
+// Searched by swarm, of the centres that are not followed; one where further poses are given, since a search
+// costs as much as all of those together and rarely ends elsewhere (tests/bench/NOTES.md).
+constexpr std::size_t kScanKept = 3, kScanKeptBesides = 1;
 constexpr int kFromAfar = 2;                         // times as far apart are the pixels looked at
 constexpr double kSameShift = 0.1, kSameTurn = 0.1;  // of two descents to one pose
 // How far beside the best places others are tried. A descent comes from about a truncation away.
@@ -57,7 +59,7 @@ TrackResult locate(SwarmSearch& search, Refiner& refiner, const RefineSettings& 
   std::vector<ScannedPose> scanned = search.scan(frame, volume, centres, kScanShift, kScanTurn);
   for (const ScannedPose& pose : scanned) result.lookups += pose.lookups;
   std::vector<ScannedPose> others(scanned.begin() + static_cast<std::ptrdiff_t>(followed), scanned.end());
-  keepBest(others, kScanKept);
+  keepBest(others, more.empty() ? kScanKept : kScanKeptBesides);
   scanned.resize(followed);
   scanned.insert(scanned.end(), others.begin(), others.end());
   refiner.look(frame, settings.coarse_pixel_stride);

@@ -94,54 +94,54 @@ double SeenThrough::shareOfLast(const cv::Mat& depth, const Pose& world_from_cam
 }
 
 double SeenThrough::shareOfAll(const cv::Mat& depth, const Pose& world_from_camera) const {
-  return shareWhere(depth, world_from_camera, kStride, [&](const Eigen::Vector3d& world) {
+  return shareOfAll(depth, world_from_camera, kStride, 1);
+}
+
+double SeenThrough::shareOfAll(const cv::Mat& depth, const Pose& world_from_camera, int stride,
+                               double margin) const {
+  return shareWhere(depth, world_from_camera, stride, [&](const Eigen::Vector3d& world) {
     return std::any_of(keyframes_.begin(), keyframes_.end(),
-                       [&](const View& view) { return seesThrough(view, world); });
+                       [&](const View& view) { return seesThrough(view, world, margin); });
   });
 }
 
+template <typename Visit>
+void SeenThrough::eachSurface(const View& view, int stride, const Visit& visit) const {
+  for (int v = stride / 2; v < view.depth.rows; v += stride)
+    for (int u = stride / 2; u < view.depth.cols; u += stride)
+      if (const double z = view.depth.at<float>(v, u); z > 0)
+        visit(view.world_from_camera * camera_.unproject(u * kKeptStride, v * kKeptStride, z));
+}
+
+void SeenThrough::Missing::look(const SeenThrough& seen, const View& now, const Eigen::Vector3d& world,
+                                double margin) {
+  const bool through = seen.seesThrough(now, world, margin);
+  missing += through;
+  expected += through || seen.shows(now, world, margin);
+}
+
 double SeenThrough::shareMissing(const cv::Mat& depth, const Pose& world_from_camera) const {
-  View now = shrunk(depth, world_from_camera);
-  int expected = 0, missing = 0;
+  const View now = shrunk(depth, world_from_camera);
+  Missing of;
   for (const View& view : keyframes_)
-    for (int v = 0; v < view.depth.rows; v += kStride / kKeptStride)
-      for (int u = 0; u < view.depth.cols; u += kStride / kKeptStride) {
-        const double z = view.depth.at<float>(v, u);
-        if (z == 0) continue;
-        const Eigen::Vector3d world =
-            view.world_from_camera * camera_.unproject(u * kKeptStride, v * kKeptStride, z);
-        const bool through = seesThrough(now, world);
-        missing += through;
-        expected += through || shows(now, world);
-      }
-  return expected ? static_cast<double>(missing) / expected : 0;
+    eachSurface(view, kStride / kKeptStride,
+                [&](const Eigen::Vector3d& world) { of.look(*this, now, world, 1); });
+  return of.share(1);
 }
 
 std::vector<double> SeenThrough::glance(const cv::Mat& depth, std::span<const Pose> places) const {
   std::vector<Eigen::Vector3d> known;
-  for (const View& view : keyframes_) {
-    const int stride = std::max(1, view.depth.cols / kGlances);
-    for (int v = stride / 2; v < view.depth.rows; v += stride)
-      for (int u = stride / 2; u < view.depth.cols; u += stride)
-        if (const double z = view.depth.at<float>(v, u); z > 0)
-          known.push_back(view.world_from_camera * camera_.unproject(u * kKeptStride, v * kKeptStride, z));
-  }
+  for (const View& view : keyframes_)
+    eachSurface(view, std::max(1, view.depth.cols / kGlances),
+                [&](const Eigen::Vector3d& world) { known.push_back(world); });
   View now = shrunk(depth, Pose::Identity());
   std::vector<double> against;
   for (const Pose& place : places) {
     now.camera_from_world = place.inverse();
-    int expected = 0, missing = 0;
-    for (const Eigen::Vector3d& world : known) {
-      const bool through = seesThrough(now, world, kGlanceMargin);
-      missing += through;
-      expected += through || shows(now, world, kGlanceMargin);
-    }
-    const double intruding =
-        shareWhere(depth, place, std::max(kStride, depth.cols / kGlances), [&](const Eigen::Vector3d& world) {
-          return std::any_of(keyframes_.begin(), keyframes_.end(),
-                             [&](const View& view) { return seesThrough(view, world, kGlanceMargin); });
-        });
-    against.push_back(intruding + static_cast<double>(missing) / std::max(expected, kFewKnown));
+    Missing of;
+    for (const Eigen::Vector3d& world : known) of.look(*this, now, world, kGlanceMargin);
+    against.push_back(shareOfAll(depth, place, std::max(kStride, depth.cols / kGlances), kGlanceMargin) +
+                      of.share(kFewKnown));
   }
   return against;
 }

@@ -1,6 +1,7 @@
 // Tells when something that is not part of the scene comes before the camera, or a pose is wrong: there is a
 // surface where an earlier image showed nothing.
 #pragma once
+#include <algorithm>
 #include <opencv2/core/mat.hpp>
 #include <span>
 #include <vector>
@@ -50,6 +51,16 @@ class SeenThrough {
   bool seesThrough(const View& view, const Eigen::Vector3d& world, double margin = 1) const;
   template <typename Test>
   double shareWhere(const cv::Mat& depth, const Pose& world_from_camera, int stride, const Test& test) const;
+  double shareOfAll(const cv::Mat& depth, const Pose& world_from_camera, int stride, double margin) const;
+  /// visit(point in the world) for every stride-th remembered pixel.
+  template <typename Visit>
+  void eachSurface(const View& view, int stride, const Visit& visit) const;
+  /// Of surfaces that should be in view, those that the image looks through.
+  struct Missing {
+    int expected = 0, missing = 0;
+    void look(const SeenThrough& seen, const View& now, const Eigen::Vector3d& world, double margin);
+    double share(int at_least) const { return static_cast<double>(missing) / std::max(expected, at_least); }
+  };
 
   Intrinsics camera_;
   DepthSettings range_;

@@ -24,6 +24,7 @@ constexpr double kCarriedOn = 1;  // seconds that a lost camera is expected wher
 
 // A keyframe is added where none is within this; the surroundings of each are searched when lost.
 constexpr double kKeyframeShift = 0.4, kKeyframeTurn = 0.4;
+constexpr std::size_t kSearchedAtOnce = 32;  // keyframes; of more, each frame takes the next ones
 
 /// 0 for the expected pose, towards 1 beyond some centimetres or degrees.
 double unexpectedness(const Pose& pose, const Pose& expected) {
@@ -84,10 +85,14 @@ TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, do
   const Pose predicted = course_.motion.predict(timestamp), expected = asTold(predicted);
   PoseFit best;
   double best_cost = 2;
+  // Around a pose that is only supposed the model does not grow, and most of the view may be unknown: a shift
+  // that makes a little more of it known must not win over one that puts more onto the surfaces.
+  const auto misfit = [&](const PoseFit& fit) {
+    return (accepted_ ? 1 - fit.close : fit.cost) + fit.colour_cost;
+  };
   const auto descendFrom = [&](const std::vector<Pose>& starts) {
     for (const PoseFit& fit : refiner_.refine(volume, starts, s.coarse_iterations, expected)) {
-      const double cost =
-          fit.cost + fit.colour_cost + s.motion_preference * unexpectedness(fit.world_from_camera, expected);
+      const double cost = misfit(fit) + s.motion_preference * unexpectedness(fit.world_from_camera, expected);
       if (cost >= best_cost) continue;
       best_cost = cost;
       best = fit;
@@ -130,7 +135,8 @@ TrackResult Tracker::find(const PreprocessPass& frame, const Volume& volume, dou
   if (soon) centres.push_back(course_.motion.predict(timestamp, kCarriedOn));
   centres.push_back(course_.last);
   const std::size_t expected = centres.size() - (soon ? 0 : 1);
-  centres.insert(centres.end(), keyframes_.begin(), keyframes_.end());
+  for (std::size_t i = 0; i < std::min(kSearchedAtOnce, keyframes_.size()); ++i)
+    centres.push_back(keyframes_[searched_++ % keyframes_.size()]);
   const std::vector<Pose> more = narrowDown(refiner_, settings_.refine, frame, overview, std::move(places));
   TrackResult found =
       locate(search_, refiner_, settings_.refine, frame, volume, centres, expected, observer_, more);

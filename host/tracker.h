@@ -75,6 +75,7 @@ class Tracker {
   Course course_;
   std::optional<Course> accepted_;  ///< as it was before the poses supposed now; none where none are
   std::vector<Pose> keyframes_;     ///< fused poses, spread over the model
+  std::size_t searched_ = 0;        ///< keyframes so far, for lost cameras
 };
 
 }  // namespace rosefusion

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 
 namespace rosefusion::cli {
@@ -31,9 +32,10 @@ void Progress::update(std::size_t done, std::size_t total, const std::string& no
     std::fflush(stderr);
     return;
   }
-  const std::size_t tenth = total ? 10 * done / total : 0;
-  if (tenth == last_tenth_) return;
+  const std::size_t tenth = 10 * done / total;
+  if (tenth == last_tenth_ && now - std::max(start_, last_drawn_) < std::chrono::minutes(1)) return;
   last_tenth_ = tenth;
+  last_drawn_ = now;
   std::fprintf(stderr, "%zu/%zu %s  %.1f/s  ETA %ld:%02ld%s%s\n", done, total, unit_.c_str(), rate, left / 60,
                left % 60, separator, note.c_str());
 }

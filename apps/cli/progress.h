@@ -7,7 +7,7 @@
 namespace rosefusion::cli {
 
 /// Writes to standard error. On a terminal a bar with rate and time left, elsewhere a line every tenth of the
-/// work.
+/// work and every minute.
 class Progress {
  public:
   /// `unit` in the plural, such as "frames".

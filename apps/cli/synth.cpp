@@ -150,7 +150,10 @@ void addSynthCommand(CLI::App& app) {
       ->check(CLI::IsMember({"handa", "simkinect", "none"}))
       ->capture_default_str()
       ->group(camera);
-  c->add_flag("--colour,--color", a->options.colour, "write rgb/ as well")->group(camera);
+  a->options.colour = true;  // as depth cameras have it
+  c->add_flag("--colour,--color,!--no-colour,!--no-color", a->options.colour,
+              "write rgb/ as well [yes]; --no-colour: depth alone")
+      ->group(camera);
 
   c->footer(
       "Examples:\n"

@@ -23,34 +23,36 @@ double errorAt(std::size_t i, const Pose& estimate, const SynthSequence& sequenc
   return (truth.translation() - estimate.translation()).norm();
 }
 
-class PaperPreset : public PipelineTest, public ::testing::WithParamInterface<int> {};
-
 // Plain random search can be off in single frames at up to 4 m/s, and comes back while it is within reach of
-// the surfaces. These rooms were in no experiment.
-TEST_P(PaperPreset, FollowsTheCamera) {
-  SynthOptions options;
-  options.seed = static_cast<std::uint64_t>(GetParam());
-  options.frames = 16;
-  const SynthSequence sequence = makeSequence(options);
+// the surfaces: how often in one room is chance, and differs with the processor that rounds. These rooms were
+// in no experiment.
+TEST_F(PipelineTest, PaperPresetFollowsTheCamera) {
+  constexpr int kRooms[] = {941, 942, 943}, kFrames = 16;
   const Settings settings = loadSettings("paper");
-  Pipeline pipeline(device(), settings, sequence.intrinsics, sequence.depth_units_per_metre);
-  double travelled = 0;
   int within_truncation = 0;
-  for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
-    const FrameResult result = pipeline.processFrame(sequence.frames[i]);
-    EXPECT_NE(result.status, TrackingStatus::Lost) << "frame " << i << ": " << result.reason;
-    const double error = errorAt(i, result.world_from_camera, sequence);
-    EXPECT_LT(error, 3 * settings.volume.truncation) << "frame " << i;
-    within_truncation += error < settings.volume.truncation;
-    EXPECT_EQ(result.lookups > 0, i > 0) << "only the first frame needs no search";
-    travelled = std::max(travelled, errorAt(i, Pose::Identity(), sequence));
+  for (const int room : kRooms) {
+    SCOPED_TRACE("room " + std::to_string(room));
+    SynthOptions options;
+    options.seed = static_cast<std::uint64_t>(room);
+    options.frames = kFrames;
+    const SynthSequence sequence = makeSequence(options);
+    Pipeline pipeline(device(), settings, sequence.intrinsics, sequence.depth_units_per_metre);
+    double travelled = 0;
+    for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
+      const FrameResult result = pipeline.processFrame(sequence.frames[i]);
+      EXPECT_NE(result.status, TrackingStatus::Lost) << "frame " << i << ": " << result.reason;
+      const double error = errorAt(i, result.world_from_camera, sequence);
+      EXPECT_LT(error, 3 * settings.volume.truncation) << "frame " << i;
+      within_truncation += error < settings.volume.truncation;
+      EXPECT_EQ(result.lookups > 0, i > 0) << "only the first frame needs no search";
+      travelled = std::max(travelled, errorAt(i, Pose::Identity(), sequence));
+    }
+    EXPECT_GT(travelled, 0.3) << "the sequence must move enough for the bounds above to mean something";
+    EXPECT_GT(pipeline.volume().blockCount(), 100u);
   }
-  EXPECT_GE(within_truncation, 12) << "of 16 frames";
-  EXPECT_GT(travelled, 0.3) << "the sequence must move enough for the bounds above to mean something";
-  EXPECT_GT(pipeline.volume().blockCount(), 100u);
+  EXPECT_GE(within_truncation, 36) << "of 3 times 16 frames";
+  RecordProperty("within_truncation", within_truncation);
 }
-
-INSTANTIATE_TEST_SUITE_P(Rooms, PaperPreset, ::testing::Values(941, 942, 943));
 
 class DefaultPreset : public PipelineTest, public ::testing::WithParamInterface<int> {};
 
