@@ -98,6 +98,16 @@ TEST(CommandLine, UnknownDeviceListsThoseThereAre) {
   EXPECT_THAT(outcome.text, HasSubstr("nosuchgpu"));
 }
 
+TEST(CommandLine, GeneratedSequencesHaveColourUnlessToldOtherwise) {
+  const TemporaryFolder folder;
+  const std::string size = " --frames 2 --width 64 --height 48";
+  ASSERT_EQ(program("synth " + (folder / "colour").string() + size).code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "colour" / "rgb.txt"));
+  ASSERT_EQ(program("synth " + (folder / "depth").string() + size + " --no-colour").code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "depth" / "depth.txt"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "depth" / "rgb.txt"));
+}
+
 TEST(CommandLine, InterruptFinishesTheFiles) {
   const TemporaryFolder folder;
   ASSERT_EQ(program("synth " + (folder / "s").string() + " --frames 90 --width 160 --height 120").code, 0);
