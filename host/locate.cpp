@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kScanShift = 0.5, kScanTurn = 0.25;
 // Searched by swarm, of the centres that are not followed; one where further poses are given, since a search
-// costs as much as all of those together and rarely ends elsewhere (tests/bench/NOTES.md).
+// costs as much as all of those together (tests/bench/NOTES.md).
 constexpr std::size_t kScanKept = 3, kScanKeptBesides = 1;
 constexpr int kFromAfar = 2;                         // times as far apart are the pixels looked at
 constexpr double kSameShift = 0.1, kSameTurn = 0.1;  // of two descents to one pose

@@ -9,7 +9,8 @@ namespace rosefusion {
 /// Around each centre a wide swarm is scanned; the best few are searched and let down to the surface. The
 /// result's fit says whether to believe it: every valid pixel counts, also what the model does not hold.
 /// The first `followed` centres, where the camera is expected, are followed however others compare.
-/// `more`: further poses, within some centimetres of where the camera may be, that are let down too.
+/// `more`: further poses, within some centimetres of where the camera may be, that are let down too; then of
+/// the other centres only the best is searched.
 TrackResult locate(SwarmSearch& search, Refiner& refiner, const RefineSettings& settings,
                    const PreprocessPass& frame, const Volume& volume, std::span<const Pose> centres,
                    std::size_t followed = 0, const SearchObserver& observer = {},

@@ -51,7 +51,6 @@ TEST_F(PipelineTest, PaperPresetFollowsTheCamera) {
     EXPECT_GT(pipeline.volume().blockCount(), 100u);
   }
   EXPECT_GE(within_truncation, 36) << "of 3 times 16 frames";
-  RecordProperty("within_truncation", within_truncation);
 }
 
 class DefaultPreset : public PipelineTest, public ::testing::WithParamInterface<int> {};
