@@ -22,6 +22,11 @@ if(ROSEFUSION_SANITIZE)
   target_compile_options(rosefusion_options INTERFACE -fsanitize=${sanitizers} -fno-sanitize-recover=undefined ${left_out}
                                                      -fno-omit-frame-pointer)
   target_link_options(rosefusion_options INTERFACE -fsanitize=${sanitizers})
+  if(NOT ROSEFUSION_SANITIZE STREQUAL "thread")
+    add_library(rosefusion_keep_loaded OBJECT tests/keep_loaded.cpp)
+    target_sources(rosefusion_options INTERFACE
+      $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:$<TARGET_OBJECTS:rosefusion_keep_loaded>>)
+  endif()
 endif()
 
 add_library(rosefusion_common INTERFACE)
