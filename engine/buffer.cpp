@@ -39,11 +39,12 @@ Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Im
   bytes = std::max<std::uint64_t>(16, (bytes + 3) / 4 * 4);
   try {
     using Usage = vk::BufferUsageFlagBits;
-    impl_->buffer = {device.device,
-                     vk::BufferCreateInfo({}, bytes,
-                                          Usage::eStorageBuffer | Usage::eUniformTexelBuffer |
-                                              Usage::eTransferSrc | Usage::eTransferDst),
-                     device.allocator};
+    impl_->buffer = {
+        device.device,
+        vk::BufferCreateInfo({}, bytes,
+                             Usage::eStorageBuffer | Usage::eUniformBuffer | Usage::eUniformTexelBuffer |
+                                 Usage::eTransferSrc | Usage::eTransferDst),
+        device.allocator};
     const auto requirements = impl_->buffer.getMemoryRequirements();
     const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
     // Parameters that every invocation reads belong beside the processors; images cross once anyway.
@@ -73,10 +74,14 @@ Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Im
     impl_->buffer.bindMemory(*impl_->memory, 0);
     if (memory != Memory::Device) impl_->mapped = impl_->memory.mapMemory(0, bytes);
     // Made with the buffer, not when first bound: copies of it are bound on several threads.
-    if (memory == Memory::Device && bytes / 4 <= device.info.limits.max_texels)
-      impl_->texels = {device.device,
-                       vk::BufferViewCreateInfo({}, *impl_->buffer, vk::Format::eR32Uint, 0, VK_WHOLE_SIZE),
-                       device.allocator};
+    const auto view = [&](vk::Format format, std::uint64_t texel_bytes) -> vk::raii::BufferView {
+      const std::uint64_t range = bytes / texel_bytes * texel_bytes;
+      if (bytes / texel_bytes > device.info.limits.max_texels) return nullptr;
+      return {device.device, vk::BufferViewCreateInfo({}, *impl_->buffer, format, 0, range),
+              device.allocator};
+    };
+    impl_->words = view(vk::Format::eR32Uint, 4);
+    impl_->vectors = view(vk::Format::eR32G32B32A32Sfloat, 16);
   } catch (const vk::SystemError& error) {
     throwDeviceError(error, "allocating " + std::to_string(bytes >> 20) + " MiB");
   }

@@ -39,7 +39,8 @@ class Buffer {
     return {static_cast<T*>(mapped()), bytes() / sizeof(T)};
   }
 
-  /// Null when empty. Usage: storage, uniform texels, transfer source and destination; one queue family.
+  /// Null when empty. Usage: storage, uniform, uniform texels, transfer source and destination; one queue
+  /// family.
   VkBuffer_T* handle() const;
 
   struct Impl;

@@ -11,8 +11,9 @@ struct Buffer::Impl {
   vk::raii::DeviceMemory memory = nullptr;  // before the buffer, which is destroyed first
   vk::raii::Buffer buffer = nullptr;
   void* mapped = nullptr;
-  vk::raii::BufferView texels =
-      nullptr;  // its words, read only; null where they are more than a texel buffer holds
+  // Its texels, read only; null where they are more than a texel buffer holds.
+  vk::raii::BufferView words = nullptr;
+  vk::raii::BufferView vectors = nullptr;  // four floats each
   ~Impl() {
     if (device) device->allocated_bytes -= bytes;
   }

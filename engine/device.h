@@ -21,6 +21,8 @@ struct DeviceLimits {
   std::uint32_t subgroup_size = 0;         ///< reported only; no pass depends on it
   std::uint64_t memory_bytes = 0;          ///< largest device-local heap
   std::uint64_t max_allocation_bytes = 0;  ///< of one buffer
+  /// Whether shaders read through texel buffers: where these hold as much as any storage binding at least.
+  bool readsTexels() const { return 4ull * max_texels >= (128u << 20); }
 };
 
 struct DeviceInfo {

@@ -1,9 +1,5 @@
 #include "engine/kernel.h"
 
-#include <algorithm>
-#include <iterator>
-#include <numeric>
-
 #include "engine/error.h"
 #include "engine/kernel_impl.h"
 #include "engine/reflection.h"
@@ -16,12 +12,9 @@ void requireMatch(const ShaderInterface& shader, const ShaderCode& code, std::ui
   const auto fail = [&](DeviceErrorCode kind, const std::string& what) {
     throw DeviceError(kind, "Shader " + std::string(code.name) + ": " + what);
   };
-  std::vector<std::uint32_t> expected(bindings);
-  std::iota(expected.begin(), expected.end(), 0u);
-  std::vector<std::uint32_t> declared;
-  std::merge(shader.storage_bindings.begin(), shader.storage_bindings.end(), shader.texel_bindings.begin(),
-             shader.texel_bindings.end(), std::back_inserter(declared));
-  if (declared != expected)
+  bool as_declared = shader.bindings.size() == bindings;
+  for (std::uint32_t i = 0; as_declared && i < bindings; ++i) as_declared = shader.bindings[i].number == i;
+  if (!as_declared)
     fail(DeviceErrorCode::Programming,
          "its buffer bindings are not 0 to " + std::to_string(bindings) + " - 1.");
   if (shader.push.bytes != push_bytes)
@@ -36,6 +29,21 @@ void requireMatch(const ShaderInterface& shader, const ShaderCode& code, std::ui
 
 }  // namespace
 
+vk::DescriptorType descriptorType(BindingKind kind) {
+  switch (kind) {
+    case BindingKind::Storage:
+      return vk::DescriptorType::eStorageBuffer;
+    case BindingKind::Uniform:
+      return vk::DescriptorType::eUniformBuffer;
+    default:
+      return vk::DescriptorType::eUniformTexelBuffer;
+  }
+}
+
+ShaderCode readerCode(const Device& device, std::string_view name) {
+  return shaderCode(device.info().limits.readsTexels() ? std::string(name) + "_texels" : std::string(name));
+}
+
 Kernel::Kernel(Device& owner, const ShaderCode& code, std::uint32_t bindings, std::uint32_t push_bytes,
                const std::vector<std::uint32_t>& constants)
     : impl_(new Impl) {
@@ -43,15 +51,13 @@ Kernel::Kernel(Device& owner, const ShaderCode& code, std::uint32_t bindings, st
   requireMatch(shader, code, bindings, push_bytes, owner.info());
   Device::Impl& device = owner.impl();
   impl_->name = code.name;
-  impl_->types.assign(bindings, vk::DescriptorType::eStorageBuffer);
-  for (const std::uint32_t binding : shader.texel_bindings)
-    impl_->types[binding] = vk::DescriptorType::eUniformTexelBuffer;
+  for (const ShaderBinding& binding : shader.bindings) impl_->kinds.push_back(binding.kind);
   impl_->push_bytes = push_bytes;
   impl_->workgroup = shader.workgroup;
   try {
     std::vector<vk::DescriptorSetLayoutBinding> set;
     for (std::uint32_t i = 0; i < bindings; ++i)
-      set.emplace_back(i, impl_->types[i], 1, vk::ShaderStageFlagBits::eCompute);
+      set.emplace_back(i, descriptorType(impl_->kinds[i]), 1, vk::ShaderStageFlagBits::eCompute);
     impl_->set_layout = {device.device, vk::DescriptorSetLayoutCreateInfo({}, set), device.allocator};
     const vk::PushConstantRange push(vk::ShaderStageFlagBits::eCompute, 0, push_bytes);
     vk::PipelineLayoutCreateInfo layout({}, *impl_->set_layout);

@@ -3,13 +3,16 @@
 #include <string>
 
 #include "engine/kernel.h"
+#include "engine/reflection.h"
 #include "engine/vulkan.h"
 
 namespace rosefusion {
 
+vk::DescriptorType descriptorType(BindingKind kind);
+
 struct Kernel::Impl {
   std::string name;
-  std::vector<vk::DescriptorType> types;  // of the bindings 0, 1, ...
+  std::vector<BindingKind> kinds;  // of the bindings 0, 1, ...
   std::uint32_t push_bytes = 0;
   std::array<std::uint32_t, 3> workgroup{1, 1, 1};
   vk::raii::DescriptorSetLayout set_layout = nullptr;

@@ -14,6 +14,10 @@ constexpr std::uint32_t kSetsPerSubmit = 256;
 constexpr std::uint32_t kDescriptorsPerSubmit = kSetsPerSubmit * 20;
 constexpr std::chrono::microseconds kSoon(1000);  // most submits of a search end within
 
+bool readsTexels(BindingKind kind) {
+  return descriptorType(kind) == vk::DescriptorType::eUniformTexelBuffer;
+}
+
 void requireInside(const Buffer& buffer, std::uint64_t offset, std::uint64_t bytes) {
   if (offset > buffer.bytes() || bytes > buffer.bytes() - offset)
     throw DeviceError(DeviceErrorCode::Programming, "A copy or fill reaches past the end of a buffer.");
@@ -60,8 +64,9 @@ struct Recorder::Impl {
   void barrier() {
     using Stage = vk::PipelineStageFlagBits;
     using Access = vk::AccessFlagBits;
-    makeVisible(Stage::eComputeShader | Stage::eTransfer,
-                Access::eShaderRead | Access::eShaderWrite | Access::eTransferRead | Access::eTransferWrite);
+    makeVisible(Stage::eComputeShader | Stage::eTransfer, Access::eShaderRead | Access::eUniformRead |
+                                                              Access::eShaderWrite | Access::eTransferRead |
+                                                              Access::eTransferWrite);
     if (isCallers()) showHost();  // who knows after which command the caller looks
   }
   void showHost() { makeVisible(vk::PipelineStageFlagBits::eHost, vk::AccessFlagBits::eHostRead); }
@@ -73,7 +78,7 @@ struct Recorder::Impl {
   }
   void bind(const Kernel::Impl& kernel, std::span<const Buffer* const> buffers, const void* push,
             std::uint32_t push_bytes) {
-    if (buffers.size() != kernel.types.size() || push_bytes != kernel.push_bytes)
+    if (buffers.size() != kernel.kinds.size() || push_bytes != kernel.push_bytes)
       throw DeviceError(DeviceErrorCode::Programming, "Kernel " + kernel.name + " was given " +
                                                           std::to_string(buffers.size()) + " buffers and " +
                                                           std::to_string(push_bytes) + " B of constants.");
@@ -81,12 +86,15 @@ struct Recorder::Impl {
       if (!buffer || !*buffer)
         throw DeviceError(DeviceErrorCode::Programming,
                           "Kernel " + kernel.name + " was given an empty buffer.");
-    for (std::size_t i = 0; i < buffers.size(); ++i)
-      if (kernel.types[i] == vk::DescriptorType::eUniformTexelBuffer && !*buffers[i]->impl().texels)
+    std::vector<vk::BufferView> views(buffers.size());
+    for (std::size_t i = 0; i < buffers.size(); ++i) {
+      if (!readsTexels(kernel.kinds[i])) continue;
+      const Buffer::Impl& buffer = buffers[i]->impl();
+      views[i] = *(kernel.kinds[i] == BindingKind::WordTexels ? buffer.words : buffer.vectors);
+      if (!views[i])
         throw DeviceError(DeviceErrorCode::Programming,
-                          "Kernel " + kernel.name +
-                              " was given a buffer that has no texels, being mapped "
-                              "or too large.");
+                          "Kernel " + kernel.name + " was given a buffer too large for the device's texels.");
+    }
     if (sets_used == kSetsPerSubmit)
       throw DeviceError(DeviceErrorCode::Programming,
                         "More than " + std::to_string(kSetsPerSubmit) + " dispatches in one submit.");
@@ -103,12 +111,10 @@ struct Recorder::Impl {
       hold({buffer});
     }
     std::vector<vk::WriteDescriptorSet> writes;
-    std::vector<vk::BufferView> views(buffers.size());
     for (std::uint32_t i = 0; i < infos.size(); ++i) {
-      const bool texels = kernel.types[i] == vk::DescriptorType::eUniformTexelBuffer;
-      if (texels) views[i] = *buffers[i]->impl().texels;
-      writes.emplace_back(set, i, 0, 1, kernel.types[i], nullptr, texels ? nullptr : &infos[i],
-                          texels ? &views[i] : nullptr);
+      const bool texels = readsTexels(kernel.kinds[i]);
+      writes.emplace_back(set, i, 0, 1, descriptorType(kernel.kinds[i]), nullptr,
+                          texels ? nullptr : &infos[i], texels ? &views[i] : nullptr);
     }
     device.device.updateDescriptorSets(writes, {});
     commands.bindPipeline(vk::PipelineBindPoint::eCompute, *kernel.pipeline, vulkan());
@@ -133,6 +139,7 @@ Recorder::Recorder(Device& owner) : impl_(new Impl{owner.impl()}) {
     impl_->commands = *impl_->own_commands;
     const std::array sizes = {
         vk::DescriptorPoolSize(vk::DescriptorType::eStorageBuffer, kDescriptorsPerSubmit),
+        vk::DescriptorPoolSize(vk::DescriptorType::eUniformBuffer, kDescriptorsPerSubmit),
         vk::DescriptorPoolSize(vk::DescriptorType::eUniformTexelBuffer, kDescriptorsPerSubmit)};
     impl_->pool = {device.device, vk::DescriptorPoolCreateInfo({}, kSetsPerSubmit, sizes), device.allocator};
     impl_->fence = {device.device, vk::FenceCreateInfo(), device.allocator};

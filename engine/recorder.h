@@ -43,7 +43,7 @@ class Recorder {
   Recorder(Recorder&&) noexcept;
   Recorder& operator=(Recorder&&) noexcept;
 
-  /// `buffers[i]` is storage binding i. Throws DeviceError (Programming) for a wrong number of buffers, an
+  /// `buffers[i]` is binding i. Throws DeviceError (Programming) for a wrong number of buffers, an
   /// empty buffer, a wrong push size, or more than 256 dispatches since the last submit.
   template <typename Params>
   void dispatch(const Kernel& kernel, std::initializer_list<const Buffer*> buffers, const Params& params,

@@ -49,31 +49,37 @@ ShaderInterface reflect(const ShaderCode& code) {
   ShaderInterface out;
   const spvc_reflected_resource* list = nullptr;
   std::size_t count = 0;
-  require(
-      spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_STORAGE_BUFFER, &list, &count),
-      code);
-  for (std::size_t i = 0; i < count; ++i) {
-    out.storage_bindings.push_back(spvc_compiler_get_decoration(compiler, list[i].id, SpvDecorationBinding));
-    const spvc_type block = spvc_compiler_get_type_handle(compiler, list[i].base_type_id);
-    for (unsigned m = 0; m < spvc_type_get_num_member_types(block); ++m) {
-      // Without its array dimensions: what is compared is one element.
-      const spvc_type member = spvc_compiler_get_type_handle(compiler, spvc_type_get_member_type(block, m));
-      if (spvc_type_get_basetype(member) != SPVC_BASETYPE_STRUCT) continue;
-      const spvc_type element = spvc_compiler_get_type_handle(compiler, spvc_type_get_base_type_id(member));
-      const ShaderStruct found = structOf(compiler, element, code);
-      if (std::none_of(out.storage_structs.begin(), out.storage_structs.end(),
-                       [&](const ShaderStruct& s) { return s.name == found.name; }))
-        out.storage_structs.push_back(found);
+  for (const auto& [type, kind] : {std::pair(SPVC_RESOURCE_TYPE_STORAGE_BUFFER, BindingKind::Storage),
+                                   std::pair(SPVC_RESOURCE_TYPE_UNIFORM_BUFFER, BindingKind::Uniform)}) {
+    require(spvc_resources_get_resource_list_for_type(resources, type, &list, &count), code);
+    for (std::size_t i = 0; i < count; ++i) {
+      out.bindings.push_back(
+          {spvc_compiler_get_decoration(compiler, list[i].id, SpvDecorationBinding), kind});
+      const spvc_type block = spvc_compiler_get_type_handle(compiler, list[i].base_type_id);
+      for (unsigned m = 0; m < spvc_type_get_num_member_types(block); ++m) {
+        // Without its array dimensions: what is compared is one element.
+        const spvc_type member = spvc_compiler_get_type_handle(compiler, spvc_type_get_member_type(block, m));
+        if (spvc_type_get_basetype(member) != SPVC_BASETYPE_STRUCT) continue;
+        const spvc_type element = spvc_compiler_get_type_handle(compiler, spvc_type_get_base_type_id(member));
+        const ShaderStruct found = structOf(compiler, element, code);
+        if (std::none_of(out.structs.begin(), out.structs.end(),
+                         [&](const ShaderStruct& s) { return s.name == found.name; }))
+          out.structs.push_back(found);
+      }
     }
   }
-  std::sort(out.storage_bindings.begin(), out.storage_bindings.end());
-
   require(
       spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_SAMPLED_IMAGE, &list, &count),
       code);
-  for (std::size_t i = 0; i < count; ++i)
-    out.texel_bindings.push_back(spvc_compiler_get_decoration(compiler, list[i].id, SpvDecorationBinding));
-  std::sort(out.texel_bindings.begin(), out.texel_bindings.end());
+  for (std::size_t i = 0; i < count; ++i) {
+    const spvc_type image = spvc_compiler_get_type_handle(compiler, list[i].base_type_id);
+    const spvc_type texel = spvc_compiler_get_type_handle(compiler, spvc_type_get_image_sampled_type(image));
+    out.bindings.push_back({spvc_compiler_get_decoration(compiler, list[i].id, SpvDecorationBinding),
+                            spvc_type_get_basetype(texel) == SPVC_BASETYPE_FP32 ? BindingKind::VectorTexels
+                                                                                : BindingKind::WordTexels});
+  }
+  std::sort(out.bindings.begin(), out.bindings.end(),
+            [](const ShaderBinding& a, const ShaderBinding& b) { return a.number < b.number; });
 
   require(
       spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_PUSH_CONSTANT, &list, &count),

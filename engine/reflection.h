@@ -21,11 +21,17 @@ struct ShaderStruct {
   std::vector<ShaderMember> members;
 };
 
+enum class BindingKind { Storage, Uniform, WordTexels, VectorTexels };
+
+struct ShaderBinding {
+  std::uint32_t number = 0;
+  BindingKind kind = BindingKind::Storage;
+};
+
 struct ShaderInterface {
-  std::vector<std::uint32_t> storage_bindings;  ///< of set 0, ascending
-  std::vector<std::uint32_t> texel_bindings;    ///< uniform texel buffers of set 0, ascending
-  ShaderStruct push;                            ///< push constants; no name and no bytes when there are none
-  std::vector<ShaderStruct> storage_structs;    ///< structs directly inside storage buffers, each type once
+  std::vector<ShaderBinding> bindings;  ///< of set 0, by ascending number
+  ShaderStruct push;                    ///< push constants; no name and no bytes when there are none
+  std::vector<ShaderStruct> structs;    ///< directly inside storage and uniform buffers, each type once
   std::array<std::uint32_t, 3> workgroup{1, 1, 1};
 };
 

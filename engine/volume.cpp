@@ -21,8 +21,6 @@ constexpr double kGrowth = 1.5;
 constexpr int kTableMargin = 8;  // blocks added around what must be covered
 constexpr std::uint64_t kLargestPool = 1u
                                        << 30;  // bytes of one pool buffer, also where a binding may be larger
-// Smaller texel buffers than a storage binding has at least are not used: the scene would have to be smaller.
-constexpr std::uint64_t kLeastTexelBytes = 128u << 20;
 constexpr std::array<std::uint64_t, 3> kBlockBytes = {4 * kBlockTsdfWords, 4 * kBlockTsdfWords,
                                                       4 * kBlockColourWords};
 constexpr std::array<std::uint32_t, 3> kEmptyWord = {kUnobservedTsdf, 0, 0};
@@ -46,10 +44,6 @@ std::uint64_t entriesOf(glm::ivec3 size) {
 
 }  // namespace
 
-ShaderCode VolumeView::reader(std::string_view name) const {
-  return shaderCode(texels_ ? std::string(name) + "_texels" : std::string(name));
-}
-
 Volume::Volume(Device& device, const VolumeOptions& options) : device_(device), recorder_(device) {
   requireValid(options);
   options_ = options;
@@ -57,8 +51,7 @@ Volume::Volume(Device& device, const VolumeOptions& options) : device_(device), 
   memory_limit_bytes_ =
       options.memory_limit_bytes ? options.memory_limit_bytes : limits.memory_bytes / 10 * 8;
   std::uint64_t pool_bytes = std::min(limits.max_storage_buffer_bytes, kLargestPool);
-  texels_ = 4ull * limits.max_texels >= kLeastTexelBytes;
-  if (texels_) pool_bytes = std::min(pool_bytes, std::uint64_t(4) * limits.max_texels);
+  if (limits.readsTexels()) pool_bytes = std::min(pool_bytes, std::uint64_t(4) * limits.max_texels);
   if (options.max_pool_bytes) pool_bytes = std::min(pool_bytes, options.max_pool_bytes);
   chunk_shift_ = std::bit_width(pool_bytes / (options.colour ? kBlockBytes[2] : kBlockBytes[0])) - 1;
   layout_ = Buffer(device, sizeof(VolumeLayout), Memory::Device);
@@ -183,7 +176,7 @@ void Volume::cover(glm::ivec3 min, glm::ivec3 max) {
   const glm::ivec3 size = high - low + 1;
   const std::uint64_t bytes = 4 * entriesOf(size);
   requireExtent(bytes <= device_.info().limits.max_storage_buffer_bytes &&
-                (!texels_ || bytes / 4 <= device_.info().limits.max_texels));
+                (!device_.info().limits.readsTexels() || bytes / 4 <= device_.info().limits.max_texels));
   requireRoom(2 * (bytes - std::min(bytes, table_.bytes())));
   staging(bytes);  // like the tables, before anything changes
   Buffer table(device_, bytes, Memory::Device), request_table(device_, bytes, Memory::Device);

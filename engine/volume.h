@@ -10,7 +10,6 @@
 #include "engine/buffer.h"
 #include "engine/depth_reach.h"
 #include "engine/recorder.h"
-#include "engine/shader_code.h"
 #include "shaders/compute/interface/volume.h"
 
 namespace rosefusion {
@@ -44,9 +43,6 @@ class VolumeView {
   std::uint32_t blockCount() const { return block_count_; }
   /// Pool buffers in use: specialisation constant 0 of every kernel that includes lib/volume.glsl.
   std::uint32_t chunks() const { return chunks_; }
-  /// The variant of a shader that reads the volume: `name`, or its twin NAME_texels for a volume that fits
-  /// texel buffers.
-  ShaderCode reader(std::string_view name) const;
   const Buffer& layoutBuffer() const { return layout_; }
   const Buffer& table() const { return table_; }
   const Buffer& blockBuffer() const { return block_buffer_; }
@@ -64,7 +60,6 @@ class VolumeView {
   VolumeOptions options_;
   std::uint32_t block_count_ = 0;
   std::uint32_t chunks_ = 1;
-  bool texels_ = false;
   Buffer layout_, table_, block_buffer_;
   std::array<std::array<Buffer, shader::kMaxPoolChunks>, 3> pools_;  ///< [TSDF, weight, colour][chunk]
 };

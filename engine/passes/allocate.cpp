@@ -11,6 +11,11 @@ using namespace shader;
 constexpr int kPixelStride = 2;        // two pixels are 1 cm apart at 3 m, well under a block
 constexpr float kSamplesPerBlock = 4;  // along the ray
 
+/// Bindings of kAllocateBindTableTexels.
+std::uint32_t texels(const Device& device) {
+  return device.info().limits.readsTexels() ? 1 : 0;
+}
+
 AllocateHeader emptyHeader() {
   constexpr int kMin = std::numeric_limits<int>::min(), kMax = std::numeric_limits<int>::max();
   return {0, 0, kMax, kMax, kMax, kMin, kMin, kMin};
@@ -20,7 +25,8 @@ AllocateHeader emptyHeader() {
 
 AllocatePass::AllocatePass(Device& device, std::uint32_t capacity)
     : device_(device),
-      kernel_(device, shaderCode("allocate"), 4, sizeof(AllocateParams)),
+      kernel_(device, readerCode(device, "allocate"), kAllocateBindings + texels(device),
+              sizeof(AllocateParams)),
       capacity_(capacity),
       requests_(device, sizeof(AllocateHeader) + 4ull * capacity, Memory::Readback) {}
 
@@ -36,10 +42,12 @@ void AllocatePass::record(Recorder& recorder, const Volume& volume, const Prepro
   params.size = glm::ivec4(camera.size.x, camera.size.y, kPixelStride,
                            1 + static_cast<int>(std::ceil(2 * params.band / step)));
   params.capacity = capacity_;
-  recorder.dispatch(kernel_, {&volume.layoutBuffer(), &volume.requestTable(), &frame.depth(), &requests_},
-                    params,
-                    {std::uint32_t(camera.size.x + kPixelStride - 1) / kPixelStride,
-                     std::uint32_t(camera.size.y + kPixelStride - 1) / kPixelStride});
+  const std::array<const Buffer*, kAllocateBindings + 1> buffers = {
+      &volume.layoutBuffer(), &volume.requestTable(), &frame.depth(), &requests_, &volume.requestTable()};
+  recorder.dispatchBytes(kernel_, std::span(buffers).first(kAllocateBindings + texels(device_)), &params,
+                         sizeof(params),
+                         {std::uint32_t(camera.size.x + kPixelStride - 1) / kPixelStride,
+                          std::uint32_t(camera.size.y + kPixelStride - 1) / kPixelStride});
 }
 
 bool AllocatePass::finish(Volume& volume) {

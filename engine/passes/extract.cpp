@@ -87,9 +87,9 @@ void ExtractPass::run(const Volume& volume, float min_weight,
                       "The volume has too many blocks for one mesh; make volume.voxel_size larger.");
   Kernels& kernels = kernels_[volume.chunks()];
   if (!kernels.count) {
-    kernels.count = Kernel(device_, shaderCode("extract_count"), kExtractCountBindings,
+    kernels.count = Kernel(device_, readerCode(device_, "extract_count"), kExtractCountBindings,
                            sizeof(ExtractCountParams), {volume.chunks()});
-    kernels.emit = Kernel(device_, shaderCode("extract_emit"), kExtractEmitBindings,
+    kernels.emit = Kernel(device_, readerCode(device_, "extract_emit"), kExtractEmitBindings,
                           sizeof(ExtractEmitParams), {volume.chunks()});
   }
   Work work{volume,

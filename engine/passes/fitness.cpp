@@ -78,7 +78,7 @@ void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectP
   Kernel& kernel = kernels_[{volume.chunks(), last_view != nullptr, raced_}];
   if (!kernel)
     kernel = Kernel(
-        device_, volume.reader("fitness"), kFitnessBindings, sizeof(FitnessParams),
+        device_, readerCode(device_, "fitness"), kFitnessBindings, sizeof(FitnessParams),
         {volume.chunks(), static_cast<std::uint32_t>(loss_), compensate_, last_view != nullptr, raced_});
   const FitnessParams params{swarm.world_from_camera, swarm.translation_lengths, swarm.rotation_lengths,
                              swarm.particles,         swarm.first_particle,      slices,

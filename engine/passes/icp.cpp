@@ -6,7 +6,7 @@ using namespace shader;
 
 IcpPass::IcpPass(Device& device, const CameraIntrinsics& camera)
     : camera_(camera),
-      kernel_(device, shaderCode("icp"), kIcpBindings, sizeof(IcpParams)),
+      kernel_(device, readerCode(device, "icp"), kIcpBindings, sizeof(IcpParams)),
       // For all of a CPU's cores, or to fill a GPU; an invocation then looks at few pixels.
       parts_(device.info().type == DeviceType::Cpu ? 16 : 512),
       model_(device, sizeof(IcpModel), Memory::Upload),

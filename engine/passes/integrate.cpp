@@ -17,9 +17,11 @@ void IntegratePass::record(Recorder& recorder, const Volume& volume, const Prepr
   if (visible_.bytes() < bytes) visible_ = Buffer(device_, bytes * 3 / 2, Memory::Upload);
   std::memcpy(visible_.as<char>().data(), slots_.data(), bytes);
 
+  const std::uint32_t bindings =
+      device_.info().limits.readsTexels() ? kIntegrateTexelBindings : kIntegrateBindings;
   Kernel& kernel = kernels_[volume.chunks()];
   if (!kernel)
-    kernel = Kernel(device_, shaderCode("integrate"), kIntegrateBindings, sizeof(IntegrateParams),
+    kernel = Kernel(device_, readerCode(device_, "integrate"), bindings, sizeof(IntegrateParams),
                     {volume.chunks()});
   const bool colour = volume.options().colour && frame.hasColour();
   const IntegrateParams params{
@@ -30,14 +32,16 @@ void IntegratePass::record(Recorder& recorder, const Volume& volume, const Prepr
       noise.growth,
       volume.options().thin_walls,
       0};
-  const Buffer* buffers[kIntegrateBindings] = {&volume.layoutBuffer(), &volume.blockBuffer(), &visible_,
-                                               &frame.depth(), &frame.colour()};
+  const Buffer* buffers[kIntegrateTexelBindings] = {&volume.layoutBuffer(), &volume.blockBuffer(), &visible_,
+                                                    &frame.depth(), &frame.colour()};
   for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
-    buffers[kIntegrateBindTsdf + chunk] = &volume.tsdf(chunk);
-    buffers[kIntegrateBindWeight + chunk] = &volume.weight(chunk);
-    buffers[kIntegrateBindColour + chunk] = &volume.colour(chunk);
+    buffers[kIntegrateBindTsdf + chunk] = buffers[kIntegrateBindTsdfTexels + chunk] = &volume.tsdf(chunk);
+    buffers[kIntegrateBindWeight + chunk] = buffers[kIntegrateBindWeightTexels + chunk] =
+        &volume.weight(chunk);
+    buffers[kIntegrateBindColour + chunk] = buffers[kIntegrateBindColourTexels + chunk] =
+        &volume.colour(chunk);
   }
-  recorder.dispatchGroups(kernel, buffers, &params, sizeof(params),
+  recorder.dispatchGroups(kernel, std::span(buffers).first(bindings), &params, sizeof(params),
                           static_cast<std::uint32_t>(slots_.size()));
 }
 

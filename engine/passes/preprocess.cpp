@@ -16,8 +16,8 @@ int tilesAlong(int pixels) {
 PreprocessPass::PreprocessPass(Device& device, const shader::CameraIntrinsics& camera)
     : device_(device),
       camera_(camera),
-      kernel_(device, shaderCode("preprocess"), 3, sizeof(shader::PreprocessParams)),
-      farthest_(device, shaderCode("farthest"), 2, sizeof(shader::FarthestParams)) {
+      kernel_(device, readerCode(device, "preprocess"), 3, sizeof(shader::PreprocessParams)),
+      farthest_(device, readerCode(device, "farthest"), 2, sizeof(shader::FarthestParams)) {
   const auto pixels = static_cast<std::uint64_t>(camera.size.x) * camera.size.y;
   raw_ = Buffer(device, 2 * pixels, Memory::Upload);
   depth_ = Buffer(device, 4 * pixels, Memory::Device);

@@ -9,10 +9,10 @@ using namespace shader;
 const RaycastKernels::Pair& RaycastKernels::of(const VolumeView& volume) {
   Pair& pair = pairs_[volume.chunks()];
   if (!pair.cast) {
-    pair.range = Kernel(device_, shaderCode("raycast_range"), kRaycastRangeBindings,
+    pair.range = Kernel(device_, readerCode(device_, "raycast_range"), kRaycastRangeBindings,
                         sizeof(RaycastRangeParams), {volume.chunks()});
-    pair.cast =
-        Kernel(device_, volume.reader("raycast"), kRaycastBindings, sizeof(RaycastParams), {volume.chunks()});
+    pair.cast = Kernel(device_, readerCode(device_, "raycast"), kRaycastBindings, sizeof(RaycastParams),
+                       {volume.chunks()});
   }
   return pair;
 }

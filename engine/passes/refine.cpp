@@ -25,8 +25,8 @@ void RefinePass::record(Recorder& recorder, const Volume& volume, const SelectPo
 
   Kernel& kernel = kernels_[volume.chunks()];
   if (!kernel)
-    kernel =
-        Kernel(device_, volume.reader("refine"), kRefineBindings, sizeof(RefineParams), {volume.chunks()});
+    kernel = Kernel(device_, readerCode(device_, "refine"), kRefineBindings, sizeof(RefineParams),
+                    {volume.chunks()});
   // The eight voxels around a point are up to a cell's diagonal away from it.
   const float inside = std::max(last_camera.focal_centre.x, last_camera.focal_centre.y) *
                        std::numbers::sqrt3_v<float> * volume.options().voxel_size;

@@ -26,7 +26,7 @@ void RefineColourPass::record(Recorder& recorder, const Volume& volume, const Pr
 
   Kernel& kernel = kernels_[volume.chunks()];
   if (!kernel)
-    kernel = Kernel(device_, volume.reader("refine_colour"), kRefineColourBindings,
+    kernel = Kernel(device_, readerCode(device_, "refine_colour"), kRefineColourBindings,
                     sizeof(RefineColourParams), {volume.chunks()});
   const RefineColourParams params{camera.focal_centre, camera.size, huber, parts_, 0, 0};
   const Buffer* buffers[kRefineColourBindings] = {&volume.layoutBuffer(), &volume.table()};

@@ -9,7 +9,7 @@ using namespace shader;
 SelectPointsPass::SelectPointsPass(Device& device, const CameraIntrinsics& camera)
     : device_(device),
       camera_(camera),
-      kernel_(device, shaderCode("select_points"), 4, sizeof(SelectParams)),
+      kernel_(device, readerCode(device, "select_points"), 4, sizeof(SelectParams)),
       count_(device, 8, Memory::Device),
       told_(device, 8, Memory::Readback) {}
 

@@ -4,12 +4,19 @@
 // table is only measured: the host then enlarges the table and runs the pass again.
 #include "shaders/compute/interface/allocate.h"
 #include "shaders/compute/interface/volume.h"
+#include "shaders/compute/lib/parameters.glsl"
+#include "shaders/compute/lib/read.glsl"
 
 layout(local_size_x = kAllocateGroup, local_size_y = kAllocateGroup) in;
-layout(push_constant) uniform Push { AllocateParams params; };
-layout(std430, binding = kAllocateBindLayout) readonly restrict buffer LayoutBuffer { VolumeLayout volume; };
-layout(std430, binding = kAllocateBindTable) restrict buffer Table { uint page_table[]; };
-layout(std430, binding = kAllocateBindDepth) readonly restrict buffer Depth { float depth[]; };
+PUSHED_PARAMETERS(AllocateParams)
+UNIFORM_PARAMETERS(VolumeLayout, volume, kAllocateBindLayout)
+layout(std430, binding = kAllocateBindTable) buffer Table { uint page_table[]; };
+#ifdef READ_TEXELS  // a mark of this dispatch may not be seen through them: the exchange decides
+READ_WORDS(tableEntry, kAllocateBindTableTexels)
+#else
+uint tableEntry(uint index) { return page_table[index]; }
+#endif
+READ_FLOATS(depthAt, kAllocateBindDepth)
 layout(std430, binding = kAllocateBindRequests) restrict buffer Requests {
   AllocateHeader header;
   uint requests[];
@@ -32,7 +39,7 @@ void requestBlockAt(vec3 world) {
     return;
   }
   uint index = uint((entry.z * volume.table_size.y + entry.y) * volume.table_size.x + entry.x);
-  if (page_table[index] != 0u) return;
+  if (tableEntry(index) != 0u) return;
   if (atomicCompSwap(page_table[index], 0u, kRequested) != 0u) return;
   uint place = atomicAdd(header.requested, 1u);
   if (place < params.capacity) requests[place] = index;
@@ -41,7 +48,7 @@ void requestBlockAt(vec3 world) {
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) * params.size.z;
   if (pixel.x >= params.size.x || pixel.y >= params.size.y) return;
-  float z = depth[pixel.y * params.size.x + pixel.x];
+  float z = depthAt(uint(pixel.y * params.size.x + pixel.x));
   if (z <= 0.0) return;
   vec3 ray = vec3((vec2(pixel) - params.focal_centre.zw) / params.focal_centre.xy, 1.0);
   vec3 centre = (params.world_from_camera * vec4(ray * z, 1.0)).xyz;

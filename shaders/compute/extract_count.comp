@@ -3,20 +3,20 @@
 // Counts the vertices and triangles of every block, so that the host can give each its place in the buffers.
 #include "shaders/compute/interface/extract_count.h"
 
-#define VOLUME_ACCESS readonly
 #define VOLUME_LAYOUT kExtractCountBindLayout
 #define VOLUME_TABLE kExtractCountBindTable
 #define VOLUME_TSDF kExtractCountBindTsdf
 #define VOLUME_WEIGHT kExtractCountBindWeight
 #define EXTRACT_BEFORE 0
 #define EXTRACT_SIDE 9
+#include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/volume.glsl"
 #include "shaders/compute/lib/extract.glsl"
 
 layout(local_size_x = kExtractGroup) in;
-layout(push_constant) uniform Push { ExtractCountParams params; };
-layout(std430, binding = kExtractCountBindBlocks) readonly restrict buffer Blocks { ivec4 blocks[]; };
-layout(std430, binding = kExtractCountBindCases) readonly restrict buffer Cases { uint cases[]; };
+PUSHED_PARAMETERS(ExtractCountParams)
+BLOCKS(kExtractCountBindBlocks)
+READ_WORDS(caseWord, kExtractCountBindCases)
 layout(std430, binding = kExtractCountBindCounts) writeonly restrict buffer Counts { ExtractCount counts[]; };
 
 shared uint s_vertices[kExtractGroup];
@@ -26,13 +26,13 @@ void main() {
   uint item = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
   if (item >= params.blocks) return;
   uint lane = gl_LocalInvocationID.x;
-  loadSurroundings(blocks[params.first_slot + item].xyz, lane, params.min_weight);
+  loadSurroundings(blockAt(params.first_slot + item), lane, params.min_weight);
   uint vertices = 0u, triangles = 0u;
   for (int x = 0; x < kBlockSide; ++x) {
     ivec3 voxel = rowStart(lane) + ivec3(x, 0, 0);
     float value = valueAt(voxel);
     for (int axis = 0; axis < 3; ++axis) vertices += uint(crosses(value, valueAt(voxel + axisStep(axis))));
-    triangles += cases[caseAt(voxel) * kCaseWords];
+    triangles += caseWord(caseAt(voxel) * kCaseWords);
   }
   s_vertices[lane] = vertices;
   s_triangles[lane] = triangles;

@@ -4,7 +4,6 @@
 // of edges, both in the order of their voxels.
 #include "shaders/compute/interface/extract_emit.h"
 
-#define VOLUME_ACCESS readonly
 #define VOLUME_LAYOUT kExtractEmitBindLayout
 #define VOLUME_TABLE kExtractEmitBindTable
 #define VOLUME_TSDF kExtractEmitBindTsdf
@@ -12,14 +11,23 @@
 #define VOLUME_COLOUR kExtractEmitBindColour
 #define EXTRACT_BEFORE 1
 #define EXTRACT_SIDE 11
+#include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/volume.glsl"
 #include "shaders/compute/lib/extract.glsl"
 
 layout(local_size_x = kExtractGroup) in;
-layout(push_constant) uniform Push { ExtractEmitParams params; };
-layout(std430, binding = kExtractEmitBindBlocks) readonly restrict buffer Blocks { ivec4 blocks[]; };
-layout(std430, binding = kExtractEmitBindCases) readonly restrict buffer Cases { uint cases[]; };
+PUSHED_PARAMETERS(ExtractEmitParams)
+BLOCKS(kExtractEmitBindBlocks)
+READ_WORDS(caseWord, kExtractEmitBindCases)
+#ifdef READ_TEXELS
+READ_WORDS(listedWord, kExtractEmitBindListed)
+ExtractBlock listedAt(uint i) {
+  return ExtractBlock(listedWord(4u * i), listedWord(4u * i + 1u), listedWord(4u * i + 2u), listedWord(4u * i + 3u));
+}
+#else
 layout(std430, binding = kExtractEmitBindListed) readonly restrict buffer Listed { ExtractBlock listed[]; };
+ExtractBlock listedAt(uint i) { return listed[i]; }
+#endif
 layout(std430, binding = kExtractEmitBindVertices) writeonly restrict buffer Vertices { ExtractVertex vertices[]; };
 layout(std430, binding = kExtractEmitBindTriangles) writeonly restrict buffer Triangles { uint triangles[]; };
 
@@ -77,8 +85,8 @@ uint edgeNumber(ivec3 cell, uint edge) {
 void main() {
   uint item = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
   if (item >= params.blocks) return;
-  ExtractBlock block = listed[item];
-  ivec3 coordinate = blocks[block.slot].xyz;
+  ExtractBlock block = listedAt(item);
+  ivec3 coordinate = blockAt(block.slot);
   uint lane = gl_LocalInvocationID.x;
   loadSurroundings(coordinate, lane, params.min_weight);
 
@@ -87,7 +95,7 @@ void main() {
     ivec3 voxel = rowStart(lane) + ivec3(x, 0, 0);
     float value = valueAt(voxel);
     for (int axis = 0; axis < 3; ++axis) crossings += uint(crosses(value, valueAt(voxel + axisStep(axis))));
-    faces += cases[caseAt(voxel) * kCaseWords];
+    faces += caseWord(caseAt(voxel) * kCaseWords);
   }
   s_vertices[lane] = crossings;
   s_triangles[lane] = faces;
@@ -104,9 +112,9 @@ void main() {
     for (int axis = 0; axis < 3; ++axis)
       if (crosses(value, valueAt(voxel + axisStep(axis)))) vertices[vertex++] = vertexOn(coordinate, voxel, axis);
     uint row = caseAt(voxel) * kCaseWords;
-    uint count = cases[row];
+    uint count = caseWord(row);
     for (uint i = 1u; i <= count; ++i, ++triangle)
       for (uint corner = 0u; corner < 3u; ++corner)
-        triangles[3u * triangle + corner] = edgeNumber(voxel, cases[row + i] >> (4u * corner) & 15u);
+        triangles[3u * triangle + corner] = edgeNumber(voxel, caseWord(row + i) >> (4u * corner) & 15u);
   }
 }

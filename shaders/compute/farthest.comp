@@ -2,10 +2,12 @@
 #extension GL_GOOGLE_include_directive : require
 // The largest depth in each tile of the image. One invocation walks a tile: a software device pays for barriers.
 #include "shaders/compute/interface/farthest.h"
+#include "shaders/compute/lib/parameters.glsl"
+#include "shaders/compute/lib/read.glsl"
 
 layout(local_size_x = kFarthestGroup) in;
-layout(push_constant) uniform Push { FarthestParams params; };
-layout(std430, binding = kFarthestBindDepth) readonly restrict buffer Depth { float depth[]; };
+PUSHED_PARAMETERS(FarthestParams)
+READ_FLOATS(depthAt, kFarthestBindDepth)
 layout(std430, binding = kFarthestBindTiles) writeonly restrict buffer Tiles { float tiles[]; };
 
 void main() {
@@ -16,7 +18,7 @@ void main() {
   for (int y = 0; y < kFarthestTile; ++y)
     for (int x = 0; x < kFarthestTile; ++x) {
       ivec2 at = min(corner + ivec2(x, y), params.size.xy - 1);
-      farthest = max(farthest, depth[at.y * params.size.x + at.x]);
+      farthest = max(farthest, depthAt(uint(at.y * params.size.x + at.x)));
     }
   tiles[tile] = farthest;
 }

@@ -4,12 +4,12 @@
 // slice. A particle is the swarm centre moved by its scaled template entry [sec:pfopst].
 #include "shaders/compute/interface/fitness.h"
 
-#define VOLUME_ACCESS readonly
 #define VOLUME_LAYOUT kFitnessBindLayout
 #define VOLUME_TABLE kFitnessBindTable
 #define VOLUME_TSDF kFitnessBindTsdf
 #include "shaders/compute/lib/compensated_sum.glsl"
 #include "shaders/compute/lib/in_image.glsl"
+#include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/pose.glsl"
 #include "shaders/compute/lib/volume.glsl"
 
@@ -19,12 +19,12 @@ layout(constant_id = 3) const bool kOverlapPerParticle = false;
 layout(constant_id = 4) const bool kRace = false;
 
 layout(local_size_x = kFitnessGroup) in;
-layout(push_constant) uniform Push { FitnessParams params; };
-layout(std430, binding = kFitnessBindTemplates) readonly restrict buffer Templates { vec4 templates[]; };
-layout(std430, binding = kFitnessBindPoints) readonly restrict buffer Points { vec4 points[]; };
+PUSHED_PARAMETERS(FitnessParams)
+READ_VECTORS(templateAt, kFitnessBindTemplates)
+READ_VECTORS(pointAt, kFitnessBindPoints)
 layout(std430, binding = kFitnessBindCount) readonly restrict buffer Count { uint count[]; };
 layout(std430, binding = kFitnessBindPartial) writeonly restrict buffer Partial { vec4 partial[]; };
-layout(std430, binding = kFitnessBindOverlap) readonly restrict buffer Overlap { OverlapView overlap; };
+UNIFORM_PARAMETERS(OverlapView, overlap, kFitnessBindOverlap)
 
 // A particle's way from the camera to voxels from the page table's corner, and to the last frame's image.
 struct Candidate {
@@ -36,8 +36,8 @@ struct Candidate {
 
 Candidate candidate(uint particle) {
   uint entry = 2u * (params.first_particle + particle);
-  vec4 turn = quaternionOf(templates[entry + 1u].xyz * params.rotation_lengths.xyz);
-  vec3 shift = templates[entry].xyz * params.translation_lengths.xyz;
+  vec4 turn = quaternionOf(templateAt(entry + 1u).xyz * params.rotation_lengths.xyz);
+  vec3 shift = templateAt(entry).xyz * params.translation_lengths.xyz;
   Candidate c;
   c.rotation = rotationOf(turn) * mat3(params.world_from_camera);
   c.translation = params.world_from_camera[3].xyz + shift;
@@ -85,7 +85,7 @@ void main() {
   bool given_up = false;
   for (uint round = 0u; round < rounds && !given_up; ++round) {
     for (uint i = begin + round; i < end; i += rounds) {
-      vec3 point = points[i].xyz;
+      vec3 point = pointAt(i).xyz;
       for (uint k = 0u; k < kFitnessParticles; ++k) {
         float value = term(candidates[k], point);
         if (kOverlapPerParticle) {

@@ -3,9 +3,10 @@
 // Adds the slices of every particle, in order and compensated, and divides by the number of points [eq:normallh].
 #include "shaders/compute/interface/fitness_reduce.h"
 #include "shaders/compute/lib/compensated_sum.glsl"
+#include "shaders/compute/lib/parameters.glsl"
 
 layout(local_size_x = kFitnessReduceGroup) in;
-layout(push_constant) uniform Push { FitnessReduceParams params; };
+PUSHED_PARAMETERS(FitnessReduceParams)
 layout(std430, binding = kFitnessReduceBindPartial) readonly restrict buffer Partial { vec4 partial[]; };
 layout(std430, binding = kFitnessReduceBindLoss) writeonly restrict buffer Loss { float loss[]; };
 layout(std430, binding = kFitnessReduceBindCounted) writeonly restrict buffer Counted { uint counted[]; };

@@ -1,24 +1,27 @@
 #version 450
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_GOOGLE_include_directive : require
 // Normal equations of the point-to-plane distance between the frame's points and the surface that the last frame's camera
 // sees in the model: pairs by projection into that view, gated by distance and normals (the recipe of KinectFusion). One
 // workgroup per part of the pixels; all sums compensated.
 #include "shaders/compute/interface/icp.h"
 #include "shaders/compute/lib/compensated_sum.glsl"
+#include "shaders/compute/lib/parameters.glsl"
+#include "shaders/compute/lib/read.glsl"
 
 layout(local_size_x = kIcpGroup) in;
-layout(push_constant) uniform Push { IcpParams params; };
-layout(std430, binding = kIcpBindPoints) readonly restrict buffer Points { vec4 points[]; };
-layout(std430, binding = kIcpBindVertices) readonly restrict buffer Vertices { vec4 vertices[]; };
-layout(std430, binding = kIcpBindNormals) readonly restrict buffer Normals { vec4 normals[]; };
-layout(std430, binding = kIcpBindModel) readonly restrict buffer Model { IcpModel model; };
+PUSHED_PARAMETERS(IcpParams)
+READ_VECTORS(pointOf, kIcpBindPoints)
+READ_VECTORS(vertexOf, kIcpBindVertices)
+READ_VECTORS(modelNormalOf, kIcpBindNormals)
+UNIFORM_PARAMETERS(IcpModel, model, kIcpBindModel)
 layout(std430, binding = kIcpBindSums) writeonly restrict buffer Sums { float sums[]; };
 
 shared float s_sums[kIcpSums * kIcpGroup];
 
 vec4 pointAt(ivec2 at) {
   bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, model.size.xy));
-  return inside ? points[at.y * model.size.x + at.x] : vec4(0.0);
+  return inside ? pointOf(uint(at.y * model.size.x + at.x)) : vec4(0.0);
 }
 
 // Towards the camera, in its frame; 0 where a neighbour is missing or lies on another surface.
@@ -35,7 +38,7 @@ vec3 normalOf(ivec2 at, vec3 p) {
 void main() {
   uint lane = gl_LocalInvocationID.x, part = gl_WorkGroupID.x;
   CompensatedSum sum[kIcpSums];
-  for (uint k = 0u; k < kIcpSums; ++k) sum[k] = CompensatedSum(0.0, 0.0);
+  [[unroll]] for (uint k = 0u; k < kIcpSums; ++k) sum[k] = CompensatedSum(0.0, 0.0);
 
   uint cells = uint(model.grid.z * model.grid.w);
   uint begin = cells * part / params.parts, end = cells * (part + 1u) / params.parts;
@@ -49,24 +52,25 @@ void main() {
     if (seen.z <= 0.0) continue;
     vec2 image = floor(model.focal_centre.xy * seen.xy / seen.z + model.focal_centre.zw + 0.5);
     if (any(lessThan(image, vec2(0.0))) || any(greaterThanEqual(image, vec2(model.size.xy)))) continue;
-    int pixel = int(image.y) * model.size.x + int(image.x);
-    vec3 to_model = vertices[pixel].xyz - point;
-    if (vertices[pixel].w == 0.0 || dot(to_model, to_model) > model.distance * model.distance) continue;
-    vec3 n = normals[pixel].xyz, own = normalOf(at, p.xyz);
+    uint pixel = uint(int(image.y) * model.size.x + int(image.x));
+    vec4 vertex = vertexOf(pixel);
+    vec3 to_model = vertex.xyz - point;
+    if (vertex.w == 0.0 || dot(to_model, to_model) > model.distance * model.distance) continue;
+    vec3 n = modelNormalOf(pixel).xyz, own = normalOf(at, p.xyz);
     if (dot(mat3(params.world_from_camera) * own, n) < model.cosine || dot(own, own) == 0.0) continue;
     float residual = -dot(n, to_model);
     vec3 moment = cross(arm, n);
     float jacobian[6] = float[6](n.x, n.y, n.z, moment.x, moment.y, moment.z);
-    uint entry = kIcpHessian;
-    for (uint row = 0u; row < 6u; ++row) {
-      for (uint column = row; column < 6u; ++column) add(sum[entry++], jacobian[row] * jacobian[column]);
+    [[unroll]] for (uint row = 0u; row < 6u; ++row) {
+      [[unroll]] for (uint column = 0u; column < 6u; ++column)
+        if (column >= row) add(sum[kIcpHessian + row * (11u - row) / 2u + column], jacobian[row] * jacobian[column]);
       add(sum[kIcpGradient + row], jacobian[row] * residual);
     }
     add(sum[kIcpSquares], residual * residual);
     add(sum[kIcpPairs], 1.0);
   }
 
-  for (uint k = 0u; k < kIcpSums; ++k) s_sums[k * kIcpGroup + lane] = sum[k].sum - sum[k].lost;
+  [[unroll]] for (uint k = 0u; k < kIcpSums; ++k) s_sums[k * kIcpGroup + lane] = sum[k].sum - sum[k].lost;
   barrier();
   if (lane >= kIcpSums) return;
   CompensatedSum all = CompensatedSum(0.0, 0.0);

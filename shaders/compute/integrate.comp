@@ -4,23 +4,21 @@
 // weight. Space in front of the surface is carved; what lies further behind than the truncation is left alone.
 #include "shaders/compute/interface/integrate.h"
 
-#define VOLUME_ACCESS
 #define VOLUME_LAYOUT kIntegrateBindLayout
-#define VOLUME_TSDF kIntegrateBindTsdf
-#define VOLUME_WEIGHT kIntegrateBindWeight
-#define VOLUME_COLOUR kIntegrateBindColour
 #include "shaders/compute/lib/depth_noise.glsl"
+#include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/volume.glsl"
-POOL_WRITER(tsdf)
-POOL_WRITER(weight)
-POOL_WRITER(colour)
+#include "shaders/compute/lib/written_pool.glsl"
+WRITTEN_POOL(tsdf, kIntegrateBindTsdf, kIntegrateBindTsdfTexels)
+WRITTEN_POOL(weight, kIntegrateBindWeight, kIntegrateBindWeightTexels)
+WRITTEN_POOL(colour, kIntegrateBindColour, kIntegrateBindColourTexels)
 
 layout(local_size_x = kIntegrateGroup) in;
-layout(push_constant) uniform Push { IntegrateParams params; };
-layout(std430, binding = kIntegrateBindBlocks) readonly restrict buffer Blocks { ivec4 blocks[]; };
-layout(std430, binding = kIntegrateBindVisible) readonly restrict buffer Visible { uint visible[]; };
-layout(std430, binding = kIntegrateBindDepth) readonly restrict buffer Depth { float depth[]; };
-layout(std430, binding = kIntegrateBindColourImage) readonly restrict buffer ColourImage { uint colour_image[]; };
+PUSHED_PARAMETERS(IntegrateParams)
+BLOCKS(kIntegrateBindBlocks)
+READ_WORDS(visibleAt, kIntegrateBindVisible)
+READ_FLOATS(depthAt, kIntegrateBindDepth)
+READ_WORDS(colourAt, kIntegrateBindColourImage)
 
 // The image pixel that sees a camera-frame point; -1 when none does.
 int pixelOf(vec3 p) {
@@ -46,55 +44,69 @@ float contradiction(float z) {
   return max(kDeviations * noise, kVoxels * volume.scale.x) / volume.scale.z;
 }
 
+// What the image says of a voxel at a camera-frame point.
+struct Sight {
+  int pixel;
+  float z;
+  float distance_;  // along the ray, positive in front of the surface
+  bool told;        // whether it says anything: a depth, not too far in front of the voxel
+};
+
+Sight sightOf(vec3 p) {
+  Sight sight;
+  sight.pixel = pixelOf(p);
+  sight.z = sight.pixel >= 0 ? depthAt(uint(sight.pixel)) : 0.0;
+  sight.distance_ = (sight.z / p.z - 1.0) * length(p);
+  sight.told = sight.z > 0.0 && sight.distance_ >= -volume.scale.z;
+  return sight;
+}
+
+// Fuses it into a voxel, whose colour is that word.
+void fuse(Sight sight, inout float tsdf, inout float weight, uint chunk, uint colour) {
+  float truncation = volume.scale.z, max_weight = volume.scale.w;
+  float value = min(sight.distance_ / truncation, 1.0);
+  float gain = max(depthWeight(params.noise_floor, params.noise_growth, sight.z), 1.0 / kWeightOne);
+  // A solid lies behind every surface seen of it: behind surfaces, of two distances that differ by more than noise the larger
+  // is right, and their mean would be neither of a thin wall's two sides.
+  bool anew = false, told = sight.told;
+  if (params.thin_walls != 0u && weight > 0.0) {
+    float least = contradiction(sight.z);
+    told = told && !(tsdf < least && value < min(-least, tsdf - least));
+    anew = tsdf < min(-least, value - least);
+  }
+  if (!told) return;
+  float before = anew ? 0.0 : weight;
+  tsdf = (tsdf * before + value * gain) / (before + gain);
+  weight = min(before + gain, max_weight);
+  if (params.size.w != 0 && sight.distance_ < truncation) fuseColour(chunk, colour, colourAt(uint(sight.pixel)), anew);
+}
+
 void main() {
   uint item = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
   if (item >= uint(params.size.z)) return;
-  uint slot = visible[item];
+  uint slot = visibleAt(item);
   uint chunk = chunkOf(slot);
   uint row = gl_LocalInvocationID.x;
-  ivec3 voxel = blocks[slot].xyz * kBlockSide + ivec3(0, row & 7u, row >> 3);
-  float voxel_size = volume.scale.x, truncation = volume.scale.z, max_weight = volume.scale.w;
+  ivec3 voxel = blockAt(slot) * kBlockSide + ivec3(0, row & 7u, row >> 3);
+  float voxel_size = volume.scale.x;
   vec3 p = (params.camera_from_world * vec4((vec3(voxel) + 0.5) * voxel_size, 1.0)).xyz;
   vec3 step_x = params.camera_from_world[0].xyz * voxel_size;
   uint first_word = slotInChunk(slot) * kBlockTsdfWords + row * 4u;
   uint first_colour = slotInChunk(slot) * kBlockColourWords + row * 8u;
 
   for (uint pair = 0u; pair < 4u; ++pair) {
-    vec2 tsdf = vec2(0.0), weight = vec2(0.0);
-    bool changed = false, loaded = false;
-    for (uint half_ = 0u; half_ < 2u; ++half_) {
-      vec3 q = p + float(2u * pair + half_) * step_x;
-      int pixel = pixelOf(q);
-      float z = pixel >= 0 ? depth[pixel] : 0.0;
-      float distance_ = (z / q.z - 1.0) * length(q);  // along the ray, positive in front of the surface
-      if (z <= 0.0 || distance_ < -truncation) continue;
-      if (!loaded) {
-        uint t = tsdfWord(chunk, first_word + pair), w = weightWord(chunk, first_word + pair);
-        tsdf = vec2(tsdfOf(t << 16), tsdfOf(t));
-        weight = vec2(w & 0xFFFFu, w >> 16) * (1.0 / kWeightOne);
-        loaded = true;
-      }
-      float value = min(distance_ / truncation, 1.0);
-      float gain = max(depthWeight(params.noise_floor, params.noise_growth, z), 1.0 / kWeightOne);
-      // A solid lies behind every surface seen of it: behind surfaces, of two distances that differ by more than noise the larger
-      // is right, and their mean would be neither of a thin wall's two sides.
-      bool anew = false;
-      if (params.thin_walls != 0u && weight[half_] > 0.0) {
-        float least = contradiction(z), old = tsdf[half_];
-        if (old < least && value < min(-least, old - least)) continue;
-        anew = old < min(-least, value - least);
-        if (anew) weight[half_] = 0.0;
-      }
-      tsdf[half_] = (tsdf[half_] * weight[half_] + value * gain) / (weight[half_] + gain);
-      weight[half_] = min(weight[half_] + gain, max_weight);
-      changed = true;
-      if (params.size.w != 0 && distance_ < truncation)
-        fuseColour(chunk, first_colour + 2u * pair + half_, colour_image[pixel], anew);
-    }
-    if (changed) {
-      settsdfWord(chunk, first_word + pair, packSnorm2x16(tsdf));
-      uvec2 w = uvec2(weight * kWeightOne + 0.5);
-      setweightWord(chunk, first_word + pair, w.x | (w.y << 16));
+    Sight a = sightOf(p + float(2u * pair) * step_x), b = sightOf(p + float(2u * pair + 1u) * step_x);
+    // A loop and not an `if`: where no invocation of a vector has a word to change, a CPU skips it.
+    for (bool told = a.told || b.told; told; told = false) {
+      uint word = first_word + pair, colour = first_colour + 2u * pair;
+      uint t = tsdfWord(chunk, word), w = weightWord(chunk, word);
+      vec2 tsdf = vec2(tsdfOf(t << 16), tsdfOf(t));
+      vec2 weight = vec2(w & 0xFFFFu, w >> 16) * (1.0 / kWeightOne);
+      fuse(a, tsdf.x, weight.x, chunk, colour);
+      fuse(b, tsdf.y, weight.y, chunk, colour + 1u);
+      settsdfWord(chunk, word, packSnorm2x16(tsdf));
+      uvec2 units = uvec2(weight * kWeightOne + 0.5);
+      setweightWord(chunk, word, units.x | (units.y << 16));
     }
   }
 }

@@ -4,10 +4,12 @@
 // pixels where the surface bends or jumps by more than the sensor's noise. No smoothing: the paper tracks on raw depth.
 #include "shaders/compute/interface/preprocess.h"
 #include "shaders/compute/lib/depth_noise.glsl"
+#include "shaders/compute/lib/parameters.glsl"
+#include "shaders/compute/lib/read.glsl"
 
 layout(local_size_x = kPreprocessGroup) in;
-layout(push_constant) uniform Push { PreprocessParams params; };
-layout(std430, binding = kPreprocessBindRaw) readonly restrict buffer Raw { uint raw[]; };
+PUSHED_PARAMETERS(PreprocessParams)
+READ_WORDS(rawPair, kPreprocessBindRaw)
 layout(std430, binding = kPreprocessBindDepth) writeonly restrict buffer Depth { float depth[]; };
 layout(std430, binding = kPreprocessBindPoints) writeonly restrict buffer Points { vec4 points[]; };
 
@@ -20,7 +22,7 @@ float metresOf(uint value) {
 float metresAt(ivec2 at) {
   if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, params.size.xy))) return 0.0;
   uint pixel = uint(at.y * params.size.x + at.x);
-  return metresOf((raw[pixel >> 1] >> (16u * (pixel & 1u))) & 0xFFFFu);
+  return metresOf((rawPair(pixel >> 1) >> (16u * (pixel & 1u))) & 0xFFFFu);
 }
 
 // On a plane 1 / z is linear in the image, however steep the plane is.
@@ -46,7 +48,7 @@ void main() {
   uint pixels = uint(params.size.x * params.size.y);
   uint first = 2u * gl_GlobalInvocationID.x;
   if (first >= pixels) return;
-  uint pair = raw[gl_GlobalInvocationID.x];
+  uint pair = rawPair(gl_GlobalInvocationID.x);
   convert(first, pair & 0xFFFFu);
   if (first + 1u < pixels) convert(first + 1u, pair >> 16);
 }

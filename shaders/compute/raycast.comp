@@ -1,27 +1,28 @@
 #version 450
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_GOOGLE_include_directive : require
 // Follows one ray per pixel to the first place where the TSDF falls from observed free space through zero. Blocks
 // without a negative voxel are crossed in one step, the others in steps of the distance they store.
 #include "shaders/compute/interface/raycast.h"
 #include "shaders/compute/interface/raycast_range.h"
 
-#define VOLUME_ACCESS readonly
 #define VOLUME_LAYOUT kRaycastBindLayout
 #define VOLUME_TABLE kRaycastBindTable
 #define VOLUME_TSDF kRaycastBindTsdf
 #define VOLUME_WEIGHT kRaycastBindWeight
 #define VOLUME_COLOUR kRaycastBindColour
+#include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/volume.glsl"
 #include "shaders/compute/lib/interpolate.glsl"
 #include "shaders/compute/lib/shade.glsl"
 
 layout(local_size_x = kRaycastGroup, local_size_y = kRaycastGroup) in;
-layout(push_constant) uniform Push { RaycastParams params; };
+PUSHED_PARAMETERS(RaycastParams)
 layout(std430, binding = kRaycastBindVertices) writeonly restrict buffer Vertices { vec4 vertices[]; };
 layout(std430, binding = kRaycastBindNormals) writeonly restrict buffer Normals { vec4 normals[]; };
 layout(std430, binding = kRaycastBindPreview) writeonly restrict buffer Preview { uint preview[]; };
-layout(std430, binding = kRaycastBindTiles) readonly restrict buffer Tiles { RaycastTile tiles[]; };
-layout(std430, binding = kRaycastBindSolid) readonly restrict buffer Solid { uint solid[]; };
+READ_WORDS(tileWord, kRaycastBindTiles)
+READ_WORDS(solidEntry, kRaycastBindSolid)
 layout(std430, binding = kRaycastBindDepth) writeonly restrict buffer Depth { float depth[]; };
 
 const float kStepShare = 0.8;   // of the stored distance, which a slanted view makes too long
@@ -56,7 +57,7 @@ float blockExit(Ray ray, ivec3 entry) {
   return min(min(leave.x, leave.y), leave.z);
 }
 
-uint solidAt(ivec3 entry) { return solid[(entry.z * volume.table_size.y + entry.y) * volume.table_size.x + entry.x]; }
+uint solidAt(ivec3 entry) { return solidEntry(uint((entry.z * volume.table_size.y + entry.y) * volume.table_size.x + entry.x)); }
 
 // False when a voxel of the cell was never observed. Only +1 can be such a voxel.
 bool wellObserved(Cell cell) {
@@ -150,7 +151,8 @@ void main() {
   ray.direction = normalize(mat3(params.world_from_camera) * camera_ray);
   ray.inverse = 1.0 / mix(ray.direction, vec3(1e-9), lessThan(abs(ray.direction), vec3(1e-9)));
   float voxels_per_depth = length(camera_ray) * volume.scale.y;
-  RaycastTile tile = tiles[(pixel.y / kRaycastTile) * params.size.w + pixel.x / kRaycastTile];
+  uint word = 2u * uint((pixel.y / kRaycastTile) * params.size.w + pixel.x / kRaycastTile);
+  RaycastTile tile = RaycastTile(tileWord(word), tileWord(word + 1u));
   vec2 depths = tile.nearest == kEmptyTile ? vec2(0.0) : uintBitsToFloat(uvec2(tile.nearest, ~tile.farthest_complement));
   vec2 span = insideTable(ray);
   Hit hit = firstHit(ray, max(span.x, depths.x * voxels_per_depth), min(span.y, depths.y * voxels_per_depth));

@@ -5,14 +5,14 @@
 // tile and end behind the last.
 #include "shaders/compute/interface/raycast_range.h"
 
-#define VOLUME_ACCESS readonly
 #define VOLUME_LAYOUT kRaycastRangeBindLayout
 #define VOLUME_TSDF kRaycastRangeBindTsdf
+#include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/volume.glsl"
 
 layout(local_size_x = kRaycastRangeGroup) in;
-layout(push_constant) uniform Push { RaycastRangeParams params; };
-layout(std430, binding = kRaycastRangeBindBlocks) readonly restrict buffer Blocks { ivec4 blocks[]; };
+PUSHED_PARAMETERS(RaycastRangeParams)
+BLOCKS(kRaycastRangeBindBlocks)
 layout(std430, binding = kRaycastRangeBindTiles) restrict buffer Tiles { RaycastTile tiles[]; };
 layout(std430, binding = kRaycastRangeBindSolid) writeonly restrict buffer Solid { uint solid[]; };
 
@@ -29,7 +29,7 @@ void main() {
   uint slot = gl_GlobalInvocationID.x + 1u;  // slot 0 is the unobserved block
   if (slot > uint(params.size.z)) return;
   float side = float(kBlockSide) * volume.scale.x;
-  vec3 corner = (params.camera_from_world * vec4(vec3(blocks[slot].xyz) * side, 1.0)).xyz;
+  vec3 corner = (params.camera_from_world * vec4(vec3(blockAt(slot)) * side, 1.0)).xyz;
   float nearest = corner.z, farthest = corner.z;
   for (int axis = 0; axis < 3; ++axis) {
     float reach = params.camera_from_world[axis].z * side;
@@ -53,7 +53,7 @@ void main() {
     high = ivec2(clamp(floor(most / float(kRaycastTile)), vec2(-1.0), end - 1.0));
   }
   if (any(greaterThan(low, high)) || !isSolid(slot)) return;
-  ivec3 entry = blocks[slot].xyz - volume.table_origin.xyz;
+  ivec3 entry = blockAt(slot) - volume.table_origin.xyz;
   solid[(entry.z * volume.table_size.y + entry.y) * volume.table_size.x + entry.x] = slot;
   uint near_bits = floatBitsToUint(max(nearest, params.near)), far_bits = ~floatBitsToUint(min(farthest, params.far));
   for (int y = low.y; y <= high.y; ++y) {

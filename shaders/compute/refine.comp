@@ -1,11 +1,11 @@
 #version 450
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_GOOGLE_include_directive : require
 // Normal equations of the distance between the selected points and the model's surface (trilinear TSDF value, smooth
 // gradient) at several candidate poses; robust and weighted by the noise of sensor and model. One workgroup per candidate and
 // part of the points; all sums compensated.
 #include "shaders/compute/interface/refine.h"
 
-#define VOLUME_ACCESS readonly
 #define VOLUME_LAYOUT kRefineBindLayout
 #define VOLUME_TABLE kRefineBindTable
 #define VOLUME_TSDF kRefineBindTsdf
@@ -13,15 +13,25 @@
 #include "shaders/compute/lib/compensated_sum.glsl"
 #include "shaders/compute/lib/depth_noise.glsl"
 #include "shaders/compute/lib/in_image.glsl"
+#include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/volume.glsl"
 
 #include "shaders/compute/lib/interpolate.glsl"
 
 layout(local_size_x = kRefineGroup) in;
-layout(push_constant) uniform Push { RefineParams params; };
-layout(std430, binding = kRefineBindPoints) readonly restrict buffer Points { vec4 points[]; };
+PUSHED_PARAMETERS(RefineParams)
+READ_VECTORS(pointAt, kRefineBindPoints)
 layout(std430, binding = kRefineBindCount) readonly restrict buffer Count { uint count[]; };
+#ifdef READ_TEXELS
+READ_VECTORS(candidateRow, kRefineBindCandidates)
+mat4 candidateMatrix(uint i) {
+  return mat4(candidateRow(4u * i), candidateRow(4u * i + 1u), candidateRow(4u * i + 2u), candidateRow(4u * i + 3u));
+}
+RefineCandidate candidateAt(uint i) { return RefineCandidate(candidateMatrix(2u * i), candidateMatrix(2u * i + 1u)); }
+#else
 layout(std430, binding = kRefineBindCandidates) readonly restrict buffer Candidates { RefineCandidate candidates[]; };
+RefineCandidate candidateAt(uint i) { return candidates[i]; }
+#endif
 layout(std430, binding = kRefineBindSums) writeonly restrict buffer Sums { float sums[]; };
 
 shared float s_sums[kRefineSums * kRefineGroup];
@@ -46,20 +56,21 @@ float modelWeight(vec3 position) {
 }
 
 void main() {
-  uint lane = gl_LocalInvocationID.x, part = gl_WorkGroupID.x, candidate = gl_WorkGroupID.y;
-  mat3 turn = mat3(candidates[candidate].world_from_camera);
-  mat4 last_image = candidates[candidate].last_image_from_camera;
-  vec3 shift = candidates[candidate].world_from_camera[3].xyz * volume.scale.y - vec3(volume.table_origin.xyz * kBlockSide);
+  uint lane = gl_LocalInvocationID.x, part = gl_WorkGroupID.x, number = gl_WorkGroupID.y;
+  RefineCandidate candidate = candidateAt(number);
+  mat3 turn = mat3(candidate.world_from_camera);
+  mat4 last_image = candidate.last_image_from_camera;
+  vec3 shift = candidate.world_from_camera[3].xyz * volume.scale.y - vec3(volume.table_origin.xyz * kBlockSide);
   vec3 last = vec3(volume.table_size.xyz * kBlockSide) - 3.0;
   float truncation = volume.scale.z;
   float most = robust(truncation);  // cost of a point that finds no surface
   CompensatedSum sum[kRefineSums];
-  for (uint k = 0u; k < kRefineSums; ++k) sum[k] = CompensatedSum(0.0, 0.0);
+  [[unroll]] for (uint k = 0u; k < kRefineSums; ++k) sum[k] = CompensatedSum(0.0, 0.0);
 
   uint total = count[0];
   uint begin = total * part / params.parts, end = total * (part + 1u) / params.parts;
   for (uint i = begin + lane; i < end; i += kRefineGroup) {
-    vec3 p = points[i].xyz;
+    vec3 p = pointAt(i).xyz;
     vec3 arm = turn * p;
     float noise = depthNoise(params.noise_floor, params.noise_growth, p.z), variance = noise * noise;
     // Outside the table the border blocks are read, which hold no distance.
@@ -88,18 +99,18 @@ void main() {
     vec3 moment = cross(arm, slope);
     float jacobian[6] = float[6](slope.x, slope.y, slope.z, moment.x, moment.y, moment.z);
     weight *= min(1.0, params.huber / max(abs(residual), 1e-9));
-    uint entry = kRefineHessian;
-    for (uint row = 0u; row < 6u; ++row) {
+    [[unroll]] for (uint row = 0u; row < 6u; ++row) {
       float scaled = weight * jacobian[row];
-      for (uint column = row; column < 6u; ++column) add(sum[entry++], scaled * jacobian[column]);
+      [[unroll]] for (uint column = 0u; column < 6u; ++column)
+        if (column >= row) add(sum[kRefineHessian + row * (11u - row) / 2u + column], scaled * jacobian[column]);
       add(sum[kRefineGradient + row], scaled * residual);
     }
   }
 
-  for (uint k = 0u; k < kRefineSums; ++k) s_sums[k * kRefineGroup + lane] = sum[k].sum - sum[k].lost;
+  [[unroll]] for (uint k = 0u; k < kRefineSums; ++k) s_sums[k * kRefineGroup + lane] = sum[k].sum - sum[k].lost;
   barrier();
   if (lane >= kRefineSums) return;
   CompensatedSum all = CompensatedSum(0.0, 0.0);
   for (uint i = 0u; i < kRefineGroup; ++i) add(all, s_sums[lane * kRefineGroup + i]);
-  sums[(candidate * params.parts + part) * kRefineSums + lane] = all.sum - all.lost;
+  sums[(number * params.parts + part) * kRefineSums + lane] = all.sum - all.lost;
 }

@@ -1,25 +1,35 @@
 #version 450
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_GOOGLE_include_directive : require
 // Normal equations of the difference in luminance between the selected points' pixels and the model, at several candidate
 // poses; robust. What depth leaves open, such as a shift along a flat wall, the wall's pattern may hold. The frame's brightness
 // against the model's is an unknown of its own, since cameras change their exposure.
 #include "shaders/compute/interface/refine_colour.h"
 
-#define VOLUME_ACCESS readonly
 #define VOLUME_LAYOUT kRefineColourBindLayout
 #define VOLUME_TABLE kRefineColourBindTable
 #define VOLUME_COLOUR kRefineColourBindColour
 #include "shaders/compute/lib/compensated_sum.glsl"
+#include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/volume.glsl"
 
 #include "shaders/compute/lib/interpolate.glsl"
 
 layout(local_size_x = kRefineColourGroup) in;
-layout(push_constant) uniform Push { RefineColourParams params; };
-layout(std430, binding = kRefineColourBindPoints) readonly restrict buffer Points { vec4 points[]; };
+PUSHED_PARAMETERS(RefineColourParams)
+READ_VECTORS(pointAt, kRefineColourBindPoints)
 layout(std430, binding = kRefineColourBindCount) readonly restrict buffer Count { uint count[]; };
-layout(std430, binding = kRefineColourBindImage) readonly restrict buffer Image { uint image[]; };
+READ_WORDS(imageAt, kRefineColourBindImage)
+#ifdef READ_TEXELS
+READ_VECTORS(candidateRow, kRefineColourBindCandidates)
+RefineColourCandidate candidateAt(uint i) {
+  mat4 pose = mat4(candidateRow(5u * i), candidateRow(5u * i + 1u), candidateRow(5u * i + 2u), candidateRow(5u * i + 3u));
+  return RefineColourCandidate(pose, candidateRow(5u * i + 4u));
+}
+#else
 layout(std430, binding = kRefineColourBindCandidates) readonly restrict buffer Candidates { RefineColourCandidate candidates[]; };
+RefineColourCandidate candidateAt(uint i) { return candidates[i]; }
+#endif
 layout(std430, binding = kRefineColourBindSums) writeonly restrict buffer Sums { float sums[]; };
 
 shared float s_sums[kRefineColourSums * kRefineColourGroup];
@@ -32,43 +42,44 @@ uint pixelOf(vec3 p) {
 }
 
 void main() {
-  uint lane = gl_LocalInvocationID.x, part = gl_WorkGroupID.x, candidate = gl_WorkGroupID.y;
-  mat3 turn = mat3(candidates[candidate].world_from_camera);
-  vec3 shift = candidates[candidate].world_from_camera[3].xyz * volume.scale.y - vec3(volume.table_origin.xyz * kBlockSide);
+  uint lane = gl_LocalInvocationID.x, part = gl_WorkGroupID.x, number = gl_WorkGroupID.y;
+  RefineColourCandidate candidate = candidateAt(number);
+  mat3 turn = mat3(candidate.world_from_camera);
+  vec3 shift = candidate.world_from_camera[3].xyz * volume.scale.y - vec3(volume.table_origin.xyz * kBlockSide);
   vec3 last = vec3(volume.table_size.xyz * kBlockSide) - 3.0;
-  float gain = candidates[candidate].gain.x;
+  float gain = candidate.gain.x;
   CompensatedSum sum[kRefineColourSums];
-  for (uint k = 0u; k < kRefineColourSums; ++k) sum[k] = CompensatedSum(0.0, 0.0);
+  [[unroll]] for (uint k = 0u; k < kRefineColourSums; ++k) sum[k] = CompensatedSum(0.0, 0.0);
 
   uint total = count[0];
   uint begin = total * part / params.parts, end = total * (part + 1u) / params.parts;
   for (uint i = begin + lane; i < end; i += kRefineColourGroup) {
-    vec3 p = points[i].xyz;
+    vec3 p = pointAt(i).xyz;
     vec3 arm = turn * p;
     // Outside the table the border blocks are read, which have no colour.
     Luminance model = luminanceAt(clamp(arm * volume.scale.y + shift, vec3(2.0), last));
     if (!model.known) continue;
-    float residual = gain * model.value - luminanceOf(image[pixelOf(p)]);
+    float residual = gain * model.value - luminanceOf(imageAt(pixelOf(p)));
     float size = abs(residual);
     vec3 slope = model.gradient * (gain * volume.scale.y);
     vec3 moment = cross(arm, slope);
     float jacobian[kRefineColourUnknowns] = float[kRefineColourUnknowns](slope.x, slope.y, slope.z, moment.x, moment.y, moment.z,
                                                                          model.value);
     float weight = min(1.0, params.huber / max(size, 1e-9));
-    uint entry = kRefineColourHessian;
-    for (uint row = 0u; row < kRefineColourUnknowns; ++row) {
+    [[unroll]] for (uint row = 0u; row < kRefineColourUnknowns; ++row) {
       float scaled = weight * jacobian[row];
-      for (uint column = row; column < kRefineColourUnknowns; ++column) add(sum[entry++], scaled * jacobian[column]);
+      [[unroll]] for (uint column = 0u; column < kRefineColourUnknowns; ++column)
+        if (column >= row) add(sum[kRefineColourHessian + row * (13u - row) / 2u + column], scaled * jacobian[column]);
       add(sum[kRefineColourGradient + row], scaled * residual);
     }
     add(sum[kRefineColourCost], size <= params.huber ? 0.5 * size * size : params.huber * (size - 0.5 * params.huber));
     add(sum[kRefineColourPoints], 1.0);
   }
 
-  for (uint k = 0u; k < kRefineColourSums; ++k) s_sums[k * kRefineColourGroup + lane] = sum[k].sum - sum[k].lost;
+  [[unroll]] for (uint k = 0u; k < kRefineColourSums; ++k) s_sums[k * kRefineColourGroup + lane] = sum[k].sum - sum[k].lost;
   barrier();
   if (lane >= kRefineColourSums) return;
   CompensatedSum all = CompensatedSum(0.0, 0.0);
   for (uint i = 0u; i < kRefineColourGroup; ++i) add(all, s_sums[lane * kRefineColourGroup + i]);
-  sums[(candidate * params.parts + part) * kRefineColourSums + lane] = all.sum - all.lost;
+  sums[(number * params.parts + part) * kRefineColourSums + lane] = all.sum - all.lost;
 }

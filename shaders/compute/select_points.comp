@@ -3,10 +3,12 @@
 // The pixels of a subsampling grid that are valid and, moved by the current best pose, fall inside the last frame's
 // image [eq:validness], compacted in grid order.
 #include "shaders/compute/interface/select_points.h"
+#include "shaders/compute/lib/parameters.glsl"
+#include "shaders/compute/lib/read.glsl"
 
 layout(local_size_x = kSelectGroup) in;
-layout(push_constant) uniform Push { SelectParams params; };
-layout(std430, binding = kSelectBindPoints) readonly restrict buffer Points { vec4 points[]; };
+PUSHED_PARAMETERS(SelectParams)
+READ_VECTORS(pointAt, kSelectBindPoints)
 layout(std430, binding = kSelectBindSelected) writeonly restrict buffer Selected { vec4 selected[]; };
 layout(std430, binding = kSelectBindCount) writeonly restrict buffer Count { uint count[]; };
 layout(std430, binding = kSelectBindTold) writeonly restrict buffer Told { uint told[]; };
@@ -17,7 +19,7 @@ const uint kAtOnce = 4u;  // loads that are under way together
 
 vec4 gridPoint(uint cell) {
   ivec2 at = ivec2(cell % uint(params.grid.z), cell / uint(params.grid.z)) * params.size.z + params.grid.xy;
-  return points[at.y * params.size.x + at.x];
+  return pointAt(uint(at.y * params.size.x + at.x));
 }
 
 bool inLastFrame(vec3 p) {

@@ -3,9 +3,10 @@
 // Adds the same numbers with and without compensation; the host compares both with the exact sum.
 #include "shaders/compute/interface/sum_check.h"
 #include "shaders/compute/lib/compensated_sum.glsl"
+#include "shaders/compute/lib/parameters.glsl"
 
 layout(local_size_x = 1) in;
-layout(push_constant) uniform Push { SumCheckParams params; };
+PUSHED_PARAMETERS(SumCheckParams)
 layout(std430, binding = kSumCheckBindValues) readonly restrict buffer Values { float values[]; };
 layout(std430, binding = kSumCheckBindSums) restrict buffer Sums { float sums[]; };
 

@@ -23,8 +23,7 @@ TEST_F(Kernels, EveryShaderIsBuiltWithItsOwnInterface) {
   for (const ShaderCode& code : allShaders()) {
     SCOPED_TRACE(code.name);
     const ShaderInterface shader = reflect(code);
-    const auto bindings =
-        static_cast<std::uint32_t>(shader.storage_bindings.size() + shader.texel_bindings.size());
+    const auto bindings = static_cast<std::uint32_t>(shader.bindings.size());
     EXPECT_GT(bindings, 0u);
     EXPECT_TRUE(Kernel(device(), code, bindings, shader.push.bytes));
     for (const std::uint32_t wrong : {bindings - 1, bindings + 1, 0u})
@@ -88,18 +87,24 @@ TEST_F(Recording, WrongBuffersAndConstantsAreRefused) {
   EXPECT_EQ(sumOf(4), 2.0f) << "the recorder is no longer usable";
 }
 
-TEST_F(Recording, AMappedBufferHasNoTexels) {
+TEST_F(Recording, ABufferTooLargeForTexelsIsRefused) {
+  DeviceOptions options = deviceUnderTest();
+  options.limits_at_most.max_texels = 16;
+  Device small(options);
+  EXPECT_FALSE(small.info().limits.readsTexels());
   const ShaderCode code = shaderCode("refine_texels");
-  const ShaderInterface shader = reflect(code);
-  ASSERT_FALSE(shader.texel_bindings.empty());
-  const Kernel reader(device(), code,
-                      std::uint32_t(shader.storage_bindings.size() + shader.texel_bindings.size()),
-                      sizeof(RefineParams));
-  const std::vector<const Buffer*> buffers(kRefineBindings, &input_);
+  const Kernel reader(small, code, kRefineBindings, sizeof(RefineParams));
+  Recorder recorder(small);
   const RefineParams params{};
-  EXPECT_TRUE(
-      throwsDeviceError([&] { recorder_->dispatchBytes(reader, buffers, &params, sizeof(params), {1}); },
-                        DeviceErrorCode::Programming, {"refine", "texels"}));
+  const auto dispatch = [&](std::uint64_t bytes) {
+    const Buffer buffer(small, bytes, Memory::Device);
+    const std::vector<const Buffer*> buffers(kRefineBindings, &buffer);
+    recorder.dispatchBytes(reader, buffers, &params, sizeof(params), {1});
+  };
+  // Of a buffer of 16 words all are texels.
+  EXPECT_TRUE(throwsDeviceError([&] { dispatch(68); }, DeviceErrorCode::Programming, {"refine", "texels"}));
+  EXPECT_NO_THROW(dispatch(64));
+  EXPECT_TRUE(small.validationMessages().empty());
 }
 
 TEST_F(Recording, CopiesAndFillsStayInsideTheirBuffers) {

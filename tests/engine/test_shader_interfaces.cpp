@@ -128,7 +128,7 @@ TEST(ShaderInterfaces, OffsetsAndSizesAgree) {
   std::map<std::string, int> compared;
   for (const ShaderCode& code : allShaders()) {
     const ShaderInterface shader = reflect(code);
-    std::vector<ShaderStruct> structs = shader.storage_structs;
+    std::vector<ShaderStruct> structs = shader.structs;
     if (shader.push.bytes > 0) structs.push_back(shader.push);
     for (const ShaderStruct& spirv : structs) {
       SCOPED_TRACE(code.name);
@@ -143,6 +143,18 @@ TEST(ShaderInterfaces, OffsetsAndSizesAgree) {
 
 TEST(ShaderInterfaces, PushConstantsFitEveryDevice) {
   for (const ShaderCode& code : allShaders()) EXPECT_LE(reflect(code).push.bytes, 128u) << code.name;
+}
+
+/// What Vulkan requires of every device: maxPerStageDescriptorSampledImages, which texel buffers count as,
+/// and maxPerStageDescriptorUniformBuffers. Storage buffers, of which it requires only 4, are asked for when
+/// a device is chosen.
+TEST(ShaderInterfaces, TexelAndUniformBuffersFitEveryDevice) {
+  for (const ShaderCode& code : allShaders()) {
+    std::map<BindingKind, int> count;
+    for (const ShaderBinding& binding : reflect(code).bindings) ++count[binding.kind];
+    EXPECT_LE(count[BindingKind::WordTexels] + count[BindingKind::VectorTexels], 16) << code.name;
+    EXPECT_LE(count[BindingKind::Uniform], 12) << code.name;
+  }
 }
 
 TEST(ShaderInterfaces, ComparisonSeesAWrongLayout) {
@@ -171,7 +183,7 @@ TEST(ShaderInterfaces, ComparisonSeesAWrongLayout) {
   wrong = right;
   wrong.members.pop_back();
   EXPECT_EQ(differences(spirv, wrong).size(), 1u);
-  const auto structs = reflect(shaderCode("allocate")).storage_structs;
+  const auto structs = reflect(shaderCode("allocate")).structs;
   ASSERT_EQ(structs.size(), 2u);
   EXPECT_FALSE(differences(structs[0], structsInCpp().at(structs[1].name)).empty());
 }

@@ -15,7 +15,11 @@ const uint kIntegrateBindColourImage = 4u;  // one word per pixel, red in the lo
 const uint kIntegrateBindTsdf = 5u;         // kMaxPoolChunks bindings
 const uint kIntegrateBindWeight = 9u;
 const uint kIntegrateBindColour = 13u;
-const uint kIntegrateBindings = 17u;
+const uint kIntegrateBindings = 17u;        // without what follows
+const uint kIntegrateBindTsdfTexels = 17u;  // the pools again, where texels are read
+const uint kIntegrateBindWeightTexels = 21u;
+const uint kIntegrateBindColourTexels = 25u;
+const uint kIntegrateTexelBindings = 29u;
 
 struct IntegrateParams {
   mat4 camera_from_world;

@@ -1,5 +1,5 @@
 // Continuous versions of the stored TSDF and colour; include after lib/volume.glsl with VOLUME_TABLE and VOLUME_TSDF or
-// VOLUME_COLOUR or both.
+// VOLUME_COLOUR or both, and with GL_EXT_control_flow_attributes.
 // Positions are in voxels from the table's corner, where voxel i has its centre at i + 0.5, and must stay two voxels
 // inside the table. Derivatives are per voxel.
 
@@ -75,9 +75,9 @@ Neighbourhood neighbourhoodOf(vec3 position) {
   bool odd = (low.x & 1) != 0, crosses = ((low.x + 2) >> 3) != block.x;
   int word_low = (low.x & 7) >> 1, word_high = ((low.x + 2) & 7) >> 1;
   Neighbourhood sum = Neighbourhood(0.0, vec3(0.0), 0.0);
-  for (int k = 0; k < 3; ++k) {
+  [[unroll]] for (int k = 0; k < 3; ++k) {
     uvec4 layer = ((low.z + k) >> 3) != block.z ? slots.slots_high : slots.slots_low;
-    for (int j = 0; j < 3; ++j) {
+    [[unroll]] for (int j = 0; j < 3; ++j) {
       uvec2 pair = ((low.y + j) >> 3) != block.y ? layer.zw : layer.xy;
       int row = ((low.z + k) & 7) * 32 + ((low.y + j) & 7) * 4;
       // Three voxels along x lie in two words, the middle one in either.
@@ -117,11 +117,11 @@ Luminance luminanceAt(vec3 position) {
   ivec3 low = centre - 1, block = low >> 3;
   Patch slots = patchOf(low, centre + 1);
   Luminance sum = Luminance(0.0, vec3(0.0), true);
-  for (int k = 0; k < 3; ++k) {
+  [[unroll]] for (int k = 0; k < 3; ++k) {
     uvec4 layer = ((low.z + k) >> 3) != block.z ? slots.slots_high : slots.slots_low;
-    for (int j = 0; j < 3; ++j) {
+    [[unroll]] for (int j = 0; j < 3; ++j) {
       uvec2 pair = ((low.y + j) >> 3) != block.y ? layer.zw : layer.xy;
-      for (int i = 0; i < 3; ++i) {
+      [[unroll]] for (int i = 0; i < 3; ++i) {
         uint slot = ((low.x + i) >> 3) != block.x ? pair.y : pair.x;
         uint word = colourWord(chunkOf(slot), slotInChunk(slot) * kBlockColourWords + localIndex(low + ivec3(i, j, k)));
         sum.known = sum.known && word >> 24 != 0u;

@@ -1,0 +1,24 @@
+// Buffers that a shader only reads, each behind a function NAME(i): READ_WORDS, READ_FLOATS and READ_VECTORS (of four
+// floats) declare one. With READ_TEXELS they are texel buffers: llvmpipe gathers texels for all lanes at once, where it
+// loads from a storage buffer lane by lane and puts the vector together in memory.
+#ifndef ROSEFUSION_READ
+#define ROSEFUSION_READ
+#ifdef READ_TEXELS
+#define READ_WORDS(NAME, BINDING)                                \
+  layout(binding = BINDING) uniform usamplerBuffer NAME##_read;  \
+  uint NAME(uint i) { return texelFetch(NAME##_read, int(i)).x; }
+#define READ_FLOATS(NAME, BINDING)                               \
+  layout(binding = BINDING) uniform usamplerBuffer NAME##_read;  \
+  float NAME(uint i) { return uintBitsToFloat(texelFetch(NAME##_read, int(i)).x); }
+#define READ_VECTORS(NAME, BINDING)                              \
+  layout(binding = BINDING) uniform samplerBuffer NAME##_read;   \
+  vec4 NAME(uint i) { return texelFetch(NAME##_read, int(i)); }
+#else
+#define READ_STORAGE(TYPE, NAME, BINDING)                                                        \
+  layout(std430, binding = BINDING) readonly restrict buffer NAME##_block { TYPE NAME##_read[]; }; \
+  TYPE NAME(uint i) { return NAME##_read[i]; }
+#define READ_WORDS(NAME, BINDING) READ_STORAGE(uint, NAME, BINDING)
+#define READ_FLOATS(NAME, BINDING) READ_STORAGE(float, NAME, BINDING)
+#define READ_VECTORS(NAME, BINDING) READ_STORAGE(vec4, NAME, BINDING)
+#endif
+#endif
