@@ -3,7 +3,7 @@
 // Counts the vertices and triangles of every block, so that the host can give each its place in the buffers.
 #include "shaders/compute/interface/extract_count.h"
 
-#define VOLUME_LAYOUT kExtractCountBindLayout
+#define VOLUME_UNIFORM_LAYOUT kExtractCountBindLayout
 #define VOLUME_TABLE kExtractCountBindTable
 #define VOLUME_TSDF kExtractCountBindTsdf
 #define VOLUME_WEIGHT kExtractCountBindWeight

@@ -4,7 +4,7 @@
 // of edges, both in the order of their voxels.
 #include "shaders/compute/interface/extract_emit.h"
 
-#define VOLUME_LAYOUT kExtractEmitBindLayout
+#define VOLUME_UNIFORM_LAYOUT kExtractEmitBindLayout
 #define VOLUME_TABLE kExtractEmitBindTable
 #define VOLUME_TSDF kExtractEmitBindTsdf
 #define VOLUME_WEIGHT kExtractEmitBindWeight

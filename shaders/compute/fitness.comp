@@ -4,7 +4,7 @@
 // slice. A particle is the swarm centre moved by its scaled template entry [sec:pfopst].
 #include "shaders/compute/interface/fitness.h"
 
-#define VOLUME_LAYOUT kFitnessBindLayout
+#define VOLUME_UNIFORM_LAYOUT kFitnessBindLayout
 #define VOLUME_TABLE kFitnessBindTable
 #define VOLUME_TSDF kFitnessBindTsdf
 #include "shaders/compute/lib/compensated_sum.glsl"

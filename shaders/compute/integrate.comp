@@ -4,7 +4,7 @@
 // weight. Space in front of the surface is carved; what lies further behind than the truncation is left alone.
 #include "shaders/compute/interface/integrate.h"
 
-#define VOLUME_LAYOUT kIntegrateBindLayout
+#define VOLUME_UNIFORM_LAYOUT kIntegrateBindLayout
 #include "shaders/compute/lib/depth_noise.glsl"
 #include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/volume.glsl"

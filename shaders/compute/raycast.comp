@@ -1,12 +1,11 @@
 #version 450
-#extension GL_EXT_control_flow_attributes : require
 #extension GL_GOOGLE_include_directive : require
 // Follows one ray per pixel to the first place where the TSDF falls from observed free space through zero. Blocks
 // without a negative voxel are crossed in one step, the others in steps of the distance they store.
 #include "shaders/compute/interface/raycast.h"
 #include "shaders/compute/interface/raycast_range.h"
 
-#define VOLUME_LAYOUT kRaycastBindLayout
+#define VOLUME_UNIFORM_LAYOUT kRaycastBindLayout
 #define VOLUME_TABLE kRaycastBindTable
 #define VOLUME_TSDF kRaycastBindTsdf
 #define VOLUME_WEIGHT kRaycastBindWeight

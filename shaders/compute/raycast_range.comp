@@ -5,7 +5,7 @@
 // tile and end behind the last.
 #include "shaders/compute/interface/raycast_range.h"
 
-#define VOLUME_LAYOUT kRaycastRangeBindLayout
+#define VOLUME_UNIFORM_LAYOUT kRaycastRangeBindLayout
 #define VOLUME_TSDF kRaycastRangeBindTsdf
 #include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/volume.glsl"

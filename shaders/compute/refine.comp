@@ -1,12 +1,11 @@
 #version 450
-#extension GL_EXT_control_flow_attributes : require
 #extension GL_GOOGLE_include_directive : require
 // Normal equations of the distance between the selected points and the model's surface (trilinear TSDF value, smooth
 // gradient) at several candidate poses; robust and weighted by the noise of sensor and model. One workgroup per candidate and
 // part of the points; all sums compensated.
 #include "shaders/compute/interface/refine.h"
 
-#define VOLUME_LAYOUT kRefineBindLayout
+#define VOLUME_UNIFORM_LAYOUT kRefineBindLayout
 #define VOLUME_TABLE kRefineBindTable
 #define VOLUME_TSDF kRefineBindTsdf
 #define VOLUME_WEIGHT kRefineBindWeight

@@ -1,12 +1,11 @@
 #version 450
-#extension GL_EXT_control_flow_attributes : require
 #extension GL_GOOGLE_include_directive : require
 // Normal equations of the difference in luminance between the selected points' pixels and the model, at several candidate
 // poses; robust. What depth leaves open, such as a shift along a flat wall, the wall's pattern may hold. The frame's brightness
 // against the model's is an unknown of its own, since cameras change their exposure.
 #include "shaders/compute/interface/refine_colour.h"
 
-#define VOLUME_LAYOUT kRefineColourBindLayout
+#define VOLUME_UNIFORM_LAYOUT kRefineColourBindLayout
 #define VOLUME_TABLE kRefineColourBindTable
 #define VOLUME_COLOUR kRefineColourBindColour
 #include "shaders/compute/lib/compensated_sum.glsl"

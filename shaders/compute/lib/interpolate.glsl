@@ -1,7 +1,9 @@
 // Continuous versions of the stored TSDF and colour; include after lib/volume.glsl with VOLUME_TABLE and VOLUME_TSDF or
-// VOLUME_COLOUR or both, and with GL_EXT_control_flow_attributes.
+// VOLUME_COLOUR or both.
 // Positions are in voxels from the table's corner, where voxel i has its centre at i + 0.5, and must stay two voxels
 // inside the table. Derivatives are per voxel.
+
+#extension GL_EXT_control_flow_attributes : require
 
 // Where a 2 x 2 x 2 patch of blocks lies: the slots of all blocks that voxels low .. high (at most 8 apart) touch.
 struct Patch {

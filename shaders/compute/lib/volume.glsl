@@ -1,12 +1,17 @@
 // Addressing of the voxel-block volume (see interface/volume.h). The includer defines the bindings it has:
-// VOLUME_LAYOUT, and optionally VOLUME_TABLE, VOLUME_TSDF, VOLUME_WEIGHT, VOLUME_COLOUR (first of four each), to read them.
+// VOLUME_LAYOUT (a storage buffer) or VOLUME_UNIFORM_LAYOUT (a uniform one), and optionally VOLUME_TABLE, VOLUME_TSDF,
+// VOLUME_WEIGHT and VOLUME_COLOUR (first of four each), to read them: storage buffers, or with READ_TEXELS texel buffers.
 #include "shaders/compute/interface/volume.h"
 #include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/read.glsl"
 
 layout(constant_id = 0) const uint kPoolChunks = 1u;  // pool buffers in use; the rest repeat the first
 
-UNIFORM_PARAMETERS(VolumeLayout, volume, VOLUME_LAYOUT)
+#ifdef VOLUME_UNIFORM_LAYOUT
+UNIFORM_PARAMETERS(VolumeLayout, volume, VOLUME_UNIFORM_LAYOUT)
+#else
+layout(std430, binding = VOLUME_LAYOUT) readonly restrict buffer LayoutBuffer { VolumeLayout volume; };
+#endif
 
 // The words of the pools NAME_0 to NAME_3 behind one function.
 #define POOL_WORD(NAME)                                            \

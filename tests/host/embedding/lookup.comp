@@ -1,7 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // An application's own shader: reads the model at given places through the library's lookup. For test_vulkan.cpp.
-#define VOLUME_ACCESS readonly
 #define VOLUME_LAYOUT 0
 #define VOLUME_TABLE 1
 #define VOLUME_TSDF 2
