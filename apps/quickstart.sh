@@ -42,8 +42,7 @@ if grep -qs "\"frames\": $frames,"  "$sequence/synth.json"; then
   echo "Reusing $sequence"
 else
   [[ ! -e $sequence ]] || force=--force
-  # By depth alone, which is all that is needed, and takes half a minute less.
-  "$program" synth "$sequence" --frames "$frames" --no-colour ${force:-} || fail "the sequence could not be made."
+  "$program" synth "$sequence" --frames "$frames" ${force:-} || fail "the sequence could not be made."
 fi
 
 step "4/5 Reconstruction"

@@ -1,4 +1,6 @@
 // The pipeline frame by frame: it follows the camera, says when it cannot, and repeats itself exactly.
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "host/error.h"
@@ -23,19 +25,22 @@ double errorAt(std::size_t i, const Pose& estimate, const SynthSequence& sequenc
   return (truth.translation() - estimate.translation()).norm();
 }
 
+class PaperPreset : public PipelineTest, public ::testing::WithParamInterface<int> {};
+
 // Plain random search can be off in single frames at up to 4 m/s, and comes back while it is within reach of
-// the surfaces: how often in one room is chance, and differs with the processor that rounds. These rooms were
-// in no experiment.
-TEST_F(PipelineTest, PaperPresetFollowsTheCamera) {
-  constexpr int kRooms[] = {941, 942, 943}, kFrames = 16;
-  const Settings settings = loadSettings("paper");
-  int within_truncation = 0;
-  for (const int room : kRooms) {
-    SCOPED_TRACE("room " + std::to_string(room));
-    SynthOptions options;
-    options.seed = static_cast<std::uint64_t>(room);
-    options.frames = kFrames;
-    const SynthSequence sequence = makeSequence(options);
+// the surfaces: how often is chance, and differs with the processor that rounds. So the middle one of three
+// template seeds counts. These rooms were in no experiment.
+TEST_P(PaperPreset, FollowsTheCamera) {
+  constexpr int kFrames = 16;
+  SynthOptions options;
+  options.seed = static_cast<std::uint64_t>(GetParam());
+  options.frames = kFrames;
+  const SynthSequence sequence = makeSequence(options);
+  Settings settings = loadSettings("paper");
+  std::array<int, 3> within_truncation{};
+  for (std::size_t seed = 0; seed < within_truncation.size(); ++seed) {
+    SCOPED_TRACE("template seed " + std::to_string(seed + 1));
+    settings.tracking.seed = seed + 1;
     Pipeline pipeline(device(), settings, sequence.intrinsics, sequence.depth_units_per_metre);
     double travelled = 0;
     for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
@@ -43,15 +48,19 @@ TEST_F(PipelineTest, PaperPresetFollowsTheCamera) {
       EXPECT_NE(result.status, TrackingStatus::Lost) << "frame " << i << ": " << result.reason;
       const double error = errorAt(i, result.world_from_camera, sequence);
       EXPECT_LT(error, 3 * settings.volume.truncation) << "frame " << i;
-      within_truncation += error < settings.volume.truncation;
+      within_truncation[seed] += error < settings.volume.truncation;
       EXPECT_EQ(result.lookups > 0, i > 0) << "only the first frame needs no search";
       travelled = std::max(travelled, errorAt(i, Pose::Identity(), sequence));
     }
     EXPECT_GT(travelled, 0.3) << "the sequence must move enough for the bounds above to mean something";
     EXPECT_GT(pipeline.volume().blockCount(), 100u);
   }
-  EXPECT_GE(within_truncation, 36) << "of 3 times 16 frames";
+  std::sort(within_truncation.begin(), within_truncation.end());
+  EXPECT_GE(within_truncation[1], 12) << "of " << kFrames << " frames; the others " << within_truncation[0]
+                                      << " and " << within_truncation[2];
 }
+
+INSTANTIATE_TEST_SUITE_P(Rooms, PaperPreset, ::testing::Values(941, 942, 943));
 
 class DefaultPreset : public PipelineTest, public ::testing::WithParamInterface<int> {};
 
