@@ -1,4 +1,4 @@
-// A storage buffer with its memory.
+// A buffer with its memory, for shaders to read and write.
 #pragma once
 #include <cstddef>
 #include <cstdint>
