@@ -1,7 +1,9 @@
 #include "engine/passes/allocate.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace rosefusion {
 namespace {
@@ -11,9 +13,8 @@ using namespace shader;
 constexpr int kPixelStride = 2;        // two pixels are 1 cm apart at 3 m, well under a block
 constexpr float kSamplesPerBlock = 4;  // along the ray
 
-/// Bindings of kAllocateBindTableTexels.
-std::uint32_t texels(const Device& device) {
-  return device.info().limits.readsTexels() ? 1 : 0;
+std::uint32_t bindingsOn(const Device& device) {
+  return device.info().limits.readsTexels() ? kAllocateTexelBindings : kAllocateBindings;
 }
 
 AllocateHeader emptyHeader() {
@@ -25,8 +26,7 @@ AllocateHeader emptyHeader() {
 
 AllocatePass::AllocatePass(Device& device, std::uint32_t capacity)
     : device_(device),
-      kernel_(device, readerCode(device, "allocate"), kAllocateBindings + texels(device),
-              sizeof(AllocateParams)),
+      kernel_(device, readerCode(device, "allocate"), bindingsOn(device), sizeof(AllocateParams)),
       capacity_(capacity),
       requests_(device, sizeof(AllocateHeader) + 4ull * capacity, Memory::Readback) {}
 
@@ -42,10 +42,9 @@ void AllocatePass::record(Recorder& recorder, const Volume& volume, const Prepro
   params.size = glm::ivec4(camera.size.x, camera.size.y, kPixelStride,
                            1 + static_cast<int>(std::ceil(2 * params.band / step)));
   params.capacity = capacity_;
-  const std::array<const Buffer*, kAllocateBindings + 1> buffers = {
+  const std::array<const Buffer*, kAllocateTexelBindings> buffers = {
       &volume.layoutBuffer(), &volume.requestTable(), &frame.depth(), &requests_, &volume.requestTable()};
-  recorder.dispatchBytes(kernel_, std::span(buffers).first(kAllocateBindings + texels(device_)), &params,
-                         sizeof(params),
+  recorder.dispatchBytes(kernel_, std::span(buffers).first(bindingsOn(device_)), &params, sizeof(params),
                          {std::uint32_t(camera.size.x + kPixelStride - 1) / kPixelStride,
                           std::uint32_t(camera.size.y + kPixelStride - 1) / kPixelStride});
 }

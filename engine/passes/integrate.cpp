@@ -1,6 +1,7 @@
 #include "engine/passes/integrate.h"
 
 #include <cstring>
+#include <span>
 
 namespace rosefusion {
 

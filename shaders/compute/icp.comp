@@ -8,6 +8,7 @@
 #include "shaders/compute/lib/compensated_sum.glsl"
 #include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/read.glsl"
+#include "shaders/compute/lib/upper_triangle.glsl"
 
 layout(local_size_x = kIcpGroup) in;
 PUSHED_PARAMETERS(IcpParams)
@@ -63,7 +64,7 @@ void main() {
     float jacobian[6] = float[6](n.x, n.y, n.z, moment.x, moment.y, moment.z);
     [[unroll]] for (uint row = 0u; row < 6u; ++row) {
       [[unroll]] for (uint column = 0u; column < 6u; ++column)
-        if (column >= row) add(sum[kIcpHessian + row * (11u - row) / 2u + column], jacobian[row] * jacobian[column]);
+        if (column >= row) add(sum[kIcpHessian + upperEntry(row, column, 6u)], jacobian[row] * jacobian[column]);
       add(sum[kIcpGradient + row], jacobian[row] * residual);
     }
     add(sum[kIcpSquares], residual * residual);

@@ -13,6 +13,7 @@
 #include "shaders/compute/lib/depth_noise.glsl"
 #include "shaders/compute/lib/in_image.glsl"
 #include "shaders/compute/lib/parameters.glsl"
+#include "shaders/compute/lib/upper_triangle.glsl"
 #include "shaders/compute/lib/volume.glsl"
 
 #include "shaders/compute/lib/interpolate.glsl"
@@ -101,7 +102,7 @@ void main() {
     [[unroll]] for (uint row = 0u; row < 6u; ++row) {
       float scaled = weight * jacobian[row];
       [[unroll]] for (uint column = 0u; column < 6u; ++column)
-        if (column >= row) add(sum[kRefineHessian + row * (11u - row) / 2u + column], scaled * jacobian[column]);
+        if (column >= row) add(sum[kRefineHessian + upperEntry(row, column, 6u)], scaled * jacobian[column]);
       add(sum[kRefineGradient + row], scaled * residual);
     }
   }

@@ -10,6 +10,7 @@
 #define VOLUME_COLOUR kRefineColourBindColour
 #include "shaders/compute/lib/compensated_sum.glsl"
 #include "shaders/compute/lib/parameters.glsl"
+#include "shaders/compute/lib/upper_triangle.glsl"
 #include "shaders/compute/lib/volume.glsl"
 
 #include "shaders/compute/lib/interpolate.glsl"
@@ -68,7 +69,7 @@ void main() {
     [[unroll]] for (uint row = 0u; row < kRefineColourUnknowns; ++row) {
       float scaled = weight * jacobian[row];
       [[unroll]] for (uint column = 0u; column < kRefineColourUnknowns; ++column)
-        if (column >= row) add(sum[kRefineColourHessian + row * (13u - row) / 2u + column], scaled * jacobian[column]);
+        if (column >= row) add(sum[kRefineColourHessian + upperEntry(row, column, kRefineColourUnknowns)], scaled * jacobian[column]);
       add(sum[kRefineColourGradient + row], scaled * residual);
     }
     add(sum[kRefineColourCost], size <= params.huber ? 0.5 * size * size : params.huber * (size - 0.5 * params.huber));

@@ -12,8 +12,9 @@ const uint kAllocateBindTable = 1u;
 const uint kAllocateBindDepth = 2u;
 const uint kAllocateBindRequests =
     3u;  // AllocateHeader, then the table entries asked for, in no particular order
+const uint kAllocateBindings = 4u;         // without what follows
 const uint kAllocateBindTableTexels = 4u;  // the table again, where texels are read
-const uint kAllocateBindings = 4u;         // without it
+const uint kAllocateTexelBindings = 5u;
 
 const float kFarthestRequest = 1e9;  // blocks from the origin; the volume refuses far less
 

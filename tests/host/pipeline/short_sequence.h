@@ -18,6 +18,12 @@ inline const SynthSequence& shortSequence() {
   return sequence;
 }
 
+/// Distance between an estimated position and the truth, both relative to the first frame.
+inline double errorAt(std::size_t i, const Pose& estimate, const SynthSequence& sequence = shortSequence()) {
+  const Pose truth = sequence.truth[0].world_from_camera.inverse() * sequence.truth[i].world_from_camera;
+  return (truth.translation() - estimate.translation()).norm();
+}
+
 /// The paper's search with fewer particles: a frame takes milliseconds instead of a third of a second.
 inline Settings quickSettings() {
   Settings settings = loadSettings("paper");
