@@ -22,7 +22,7 @@ void IcpPass::record(Recorder& recorder, const PreprocessPass& frame, const Rayc
   cells_ = static_cast<std::uint32_t>(grid.z * grid.w);
   model_.as<IcpModel>()[0] = {
       camera_from_world, camera_.focal_centre, camera_.size, grid, pairing.distance, pairing.cosine, 0, 0};
-  recorder.dispatch(kernel_, {&frame.points(), &model.vertices(), &model.normals(), &model_, &sums_},
+  recorder.dispatch(kernel_, {&frame.points(), &model.surface(), &model_, &sums_},
                     IcpParams{world_from_camera, parts_, 0, 0, 0}, {parts_ * kIcpGroup});
 }
 

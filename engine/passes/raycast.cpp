@@ -26,8 +26,7 @@ RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera, Memory 
       kernels_(kernels ? std::move(kernels) : std::make_shared<RaycastKernels>(device)) {
   const auto pixels = static_cast<std::uint64_t>(camera.size.x) * camera.size.y;
   tiles_ = Buffer(device, sizeof(RaycastTile) * tiles_x_ * tiles_y_, Memory::Device);
-  vertices_ = Buffer(device, 16 * pixels, Memory::Device);
-  normals_ = Buffer(device, 16 * pixels, Memory::Device);
+  surface_ = Buffer(device, 16 * pixels, Memory::Device);
   preview_ = Buffer(device, 4 * pixels, picture);
   depth_ = Buffer(device, 4 * pixels, Memory::Device);
 }
@@ -45,8 +44,7 @@ void RaycastPass::record(Recorder& recorder, const VolumeView& volume, const Ray
     buffers[kRaycastBindWeight + chunk] = &volume.weight(chunk);
     buffers[kRaycastBindColour + chunk] = &volume.colour(chunk);
   }
-  buffers[kRaycastBindVertices] = &vertices_;
-  buffers[kRaycastBindNormals] = &normals_;
+  buffers[kRaycastBindSurface] = &surface_;
   buffers[kRaycastBindPreview] = &preview_;
   buffers[kRaycastBindTiles] = &tiles_;
   buffers[kRaycastBindSolid] = &solid_;

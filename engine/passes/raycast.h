@@ -1,4 +1,4 @@
-// Pass raycast: the surface that a camera sees, as points, normals and a shaded picture.
+// Pass raycast: the surface that a camera sees, as normals, depths and a shaded picture.
 #pragma once
 #include <map>
 #include <memory>
@@ -47,10 +47,9 @@ class RaycastPass {
 
   void record(Recorder& recorder, const VolumeView& volume, const RaycastView& view);
 
-  /// vec4 per pixel, world frame: the point hit, w = 1; all 0 where nothing was hit.
-  const Buffer& vertices() const { return vertices_; }
-  /// vec4 per pixel, world frame: unit length towards free space, w = 1; all 0 where nothing was hit.
-  const Buffer& normals() const { return normals_; }
+  /// vec4 per pixel: unit normal towards free space, world frame, and the hit's depth along the optical axis,
+  /// metres; all 0 where nothing was hit.
+  const Buffer& surface() const { return surface_; }
   /// float per pixel, see RaycastView::depth_value.
   const Buffer& depth() const { return depth_; }
   /// One word 0xAABBGGRR per pixel (red in the low byte, alpha 255 or 0), sRGB.
@@ -66,7 +65,7 @@ class RaycastPass {
   shader::CameraIntrinsics camera_;
   int tiles_x_, tiles_y_;
   std::shared_ptr<RaycastKernels> kernels_;
-  Buffer tiles_, solid_, vertices_, normals_, preview_, depth_;
+  Buffer tiles_, solid_, surface_, preview_, depth_;
 };
 
 }  // namespace rosefusion

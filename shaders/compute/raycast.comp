@@ -17,14 +17,14 @@
 
 layout(local_size_x = kRaycastGroup, local_size_y = kRaycastGroup) in;
 PUSHED_PARAMETERS(RaycastParams)
-layout(std430, binding = kRaycastBindVertices) writeonly restrict buffer Vertices { vec4 vertices[]; };
-layout(std430, binding = kRaycastBindNormals) writeonly restrict buffer Normals { vec4 normals[]; };
+layout(std430, binding = kRaycastBindSurface) writeonly restrict buffer Surface { vec4 surface[]; };
 layout(std430, binding = kRaycastBindPreview) writeonly restrict buffer Preview { uint preview[]; };
 READ_WORDS(tileWord, kRaycastBindTiles)
 READ_WORDS(solidEntry, kRaycastBindSolid)
 layout(std430, binding = kRaycastBindDepth) writeonly restrict buffer Depth { float depth[]; };
 
 const float kStepShare = 0.8;   // of the stored distance, which a slanted view makes too long
+const float kLongestStep = 3.0;  // voxels; what lies between two samples then fits into a patch of blocks
 const float kPastExit = 0.01;   // voxels behind a skipped block's face, against rounding
 const float kBeforeExit = 0.5;  // voxels before it: the sample that stands for the block
 const int kMaxCandidates = 8;   // sign changes looked at per ray
@@ -93,9 +93,11 @@ Hit firstHit(Ray ray, float begin, float end) {
       float leave = blockExit(ray, entry);
       front = value >= 0.0;
       front_t = slot == 0u ? leave - kBeforeExit : t;
-      t = slot == 0u ? max(leave + kPastExit, t + kPastExit) : t + max(abs(value) * band * kStepShare, 1.0);
+      float step = clamp(abs(value) * band * kStepShare, 1.0, kLongestStep);
+      t = slot == 0u ? max(leave + kPastExit, t + kPastExit) : t + step;
     }
     if (t >= end) break;
+    front_t = max(front_t, t - kLongestStep);  // farther after a candidate that was none
     ivec3 voxel = ivec3(at(ray, front_t));
     uint slot = slotAt(voxel >> 3);
     float front_value = tsdfInBlock(slot, localIndex(voxel));
@@ -103,11 +105,13 @@ Hit firstHit(Ray ray, float begin, float end) {
     // Newton's method from where a straight line through the two samples is zero, kept between their ends, until the
     // rest is small; the last step takes its value from the same 27 voxels as the normal.
     float ahead = front_t - 1.0, behind = t + 1.0;
-    float guess = mix(front_t, t, front_value / (front_value - value));
+    vec3 one_end = at(ray, ahead), other_end = at(ray, behind);
+    Patch slots = patchOf(ivec3(min(one_end, other_end)) - 1, ivec3(max(one_end, other_end)) + 1);
+    float guess = mix(front_t, t, front_value > 0.0 ? front_value / (front_value - value) : 0.5);
     Cell cell;
     bool near_enough = false;
     for (int i = 0; i < kMaxSteps && !near_enough; ++i) {
-      cell = cellAt(at(ray, guess));
+      cell = cellIn(slots, at(ray, guess));
       vec4 field = trilinear(cell);
       near_enough = abs(field.w) * band < kConverged;
       if (field.w > 0.0) ahead = guess;
@@ -115,7 +119,7 @@ Hit firstHit(Ray ray, float begin, float end) {
       float next = guess - field.w / min(dot(field.xyz, ray.direction), kLeastSlope);
       guess = next >= ahead && next <= behind ? next : 0.5 * (ahead + behind);
     }
-    Neighbourhood near = neighbourhoodOf(at(ray, guess));
+    Neighbourhood near = neighbourhoodIn(slots, at(ray, guess));
     float correction = near.value / min(dot(near.gradient, ray.direction), kLeastSlope);
     if (!observed || !wellObserved(cell)) front = false;
     else if (abs(near.value) * band < kMaxResidual) hit = Hit(guess - clamp(correction, -0.5, 0.5), near.gradient);
@@ -156,21 +160,19 @@ void main() {
   vec2 span = insideTable(ray);
   Hit hit = firstHit(ray, max(span.x, depths.x * voxels_per_depth), min(span.y, depths.y * voxels_per_depth));
 
-  vec4 vertex = vec4(0.0), normal = vec4(0.0);
+  vec4 normal_depth = vec4(0.0);
   bool clear = (params.size.z & kRaycastClear) != 0;
   vec4 shaded = clear ? vec4(0.0) : vec4(backgroundColour(float(pixel.y) / float(params.size.y)), 1.0);
   float value = params.depth_value.w;
   if (hit.t > 0.0) {
     vec3 position = at(ray, hit.t);
-    vertex = vec4((position + vec3(volume.table_origin.xyz * kBlockSide)) * volume.scale.x, 1.0);
-    normal = vec4(normalize(hit.gradient), 1.0);
-    shaded = vec4(shadedColour(colourAt(position), normal.xyz, ray.direction), 1.0);
     float z = hit.t / voxels_per_depth;
+    normal_depth = vec4(normalize(hit.gradient), z);
+    shaded = vec4(shadedColour(colourAt(position), normal_depth.xyz, ray.direction), 1.0);
     value = params.depth_value.x + params.depth_value.y / z + params.depth_value.z * z;
   }
   uint index = uint(pixel.y * params.size.x + pixel.x);
-  vertices[index] = vertex;
-  normals[index] = normal;
+  surface[index] = normal_depth;
   preview[index] = packUnorm4x8(shaded);
   depth[index] = value;
 }

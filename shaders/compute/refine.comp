@@ -45,11 +45,6 @@ float robust(float distance_) {
   return a <= params.huber ? 0.5 * a * a : params.huber * (a - 0.5 * params.huber);
 }
 
-bool insideTruncation(Cell c) {
-  vec4 most = max(abs(c.low), abs(c.high));
-  return max(max(most.x, most.y), max(most.z, most.w)) < kTruncated;
-}
-
 float modelWeight(vec3 position) {
   ivec3 voxel = ivec3(position);
   return max(weightInBlock(slotAt(voxel >> 3), localIndex(voxel)), 1.0 / kWeightOne);
@@ -75,12 +70,12 @@ void main() {
     float noise = depthNoise(params.noise_floor, params.noise_growth, p.z), variance = noise * noise;
     // Outside the table the border blocks are read, which hold no distance.
     vec3 position = clamp(arm * volume.scale.y + shift, vec3(2.0), last);
-    bool usable = insideTruncation(cellAt(position));
+    Neighbourhood near = neighbourhoodOf(position);
+    bool usable = near.largest_in_cell < kTruncated;
     if (usable) variance += params.model_noise * params.model_noise / modelWeight(position);
     // Poses are told apart by how much of the image they explain: in the cost, noise matters only beyond huber.
     float cost_weight = 1.0 / (1.0 + variance / (params.huber * params.huber));
     float weight = params.noise_floor * params.noise_floor / variance;
-    Neighbourhood near = neighbourhoodOf(position);
     float residual = near.value * truncation;
     // A thin wall's other side, seen before, would pull the point through the wall.
     if (usable && params.front_only != 0u && near.largest < kTruncated &&

@@ -51,18 +51,17 @@ TEST_F(CallerCommands, RaycastFillsTheCallersImages) {
   const auto texels = caller.read(picture, VK_IMAGE_ASPECT_COLOR_BIT, kWidth, kHeight);
   const auto depths = caller.read(depth, VK_IMAGE_ASPECT_COLOR_BIT, kWidth, kHeight);
   EXPECT_TRUE(std::equal(texels.begin(), texels.end(), other.preview().begin()));
-  const auto vertices = download<glm::vec4>(device, other.vertices());
-  const glm::mat4 camera_from_world = glm::inverse(view().world_from_camera);
+  const auto surface = download<glm::vec4>(device, other.surface());
   std::size_t hits = 0;
   for (std::size_t i = 0; i < texels.size(); ++i) {
     const float z = std::bit_cast<float>(depths[i]);
-    if (vertices[i].w == 0) {
+    if (surface[i].w == 0) {
       EXPECT_EQ(z, kNothing);
       EXPECT_EQ(texels[i], 0u) << "transparent where nothing is";
       continue;
     }
     ++hits;
-    EXPECT_NEAR(z, (camera_from_world * vertices[i]).z, 1e-4);
+    EXPECT_NEAR(z, surface[i].w, 1e-6);
     EXPECT_EQ(texels[i] >> 24, 255u);
   }
   EXPECT_GT(hits, texels.size() / 2);

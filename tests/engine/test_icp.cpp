@@ -31,8 +31,7 @@ class IcpTest : public ValidatingDevice, public ::testing::WithParamInterface<In
     const std::size_t pixels = std::size_t(GetParam().width) * GetParam().height;
     model_.camera = GetParam();
     model_.world_from_camera = asFloats(run_->sequence.poses[1]);
-    model_.vertices = inDoubles(raycast_->vertices(), pixels);
-    model_.normals = inDoubles(raycast_->normals(), pixels);
+    model_.surface = inDoubles(raycast_->surface(), pixels);
     model_.stride = kPairing.stride;
     model_.offset = kPairing.stride / 2;
     model_.distance = kPairing.distance;

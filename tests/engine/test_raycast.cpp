@@ -37,28 +37,35 @@ shader::CameraIntrinsics viewCamera() {
 }
 
 struct View {
-  std::vector<glm::vec4> vertices, normals;
+  std::vector<glm::vec4> vertices;  // world frame, w = 1; all 0 where nothing was hit
+  std::vector<glm::vec4> normals;
   std::vector<std::uint32_t> preview;
   std::size_t hits() const {
     return std::count_if(vertices.begin(), vertices.end(), [](const glm::vec4& v) { return v.w > 0; });
   }
 };
 
-View cast(Device& device, SurfaceScene& scene, const Eigen::Isometry3d& pose, float near = kNear,
-          float far = kFar) {
-  RaycastPass pass(device, viewCamera());
-  pass.record(scene.recorder, scene.volume, {toGlm(pose), near, far, true});
-  scene.recorder.submit();
-  return {download<glm::vec4>(device, pass.vertices()),
-          download<glm::vec4>(device, pass.normals()),
-          {pass.preview().begin(), pass.preview().end()}};
-}
-
 /// Unit direction in the world through a pixel, and how much of it is depth.
 std::pair<Vector3d, double> rayThrough(const Eigen::Isometry3d& pose, int pixel, double focal = kFocal) {
   const Vector3d ray((pixel % kWidth - 0.5 * (kWidth - 1)) / focal,
                      (pixel / kWidth - 0.5 * (kHeight - 1)) / focal, 1);
   return {pose.linear() * ray.normalized(), 1 / ray.norm()};
+}
+
+View cast(Device& device, SurfaceScene& scene, const Eigen::Isometry3d& pose, float near = kNear,
+          float far = kFar) {
+  RaycastPass pass(device, viewCamera());
+  pass.record(scene.recorder, scene.volume, {toGlm(pose), near, far, true});
+  scene.recorder.submit();
+  View view{.vertices = {}, .normals = download<glm::vec4>(device, pass.surface()), .preview = {}};
+  view.preview.assign(pass.preview().begin(), pass.preview().end());
+  for (std::size_t pixel = 0; pixel < view.normals.size(); ++pixel) {
+    const auto [direction, depth_share] = rayThrough(pose, static_cast<int>(pixel));
+    const double depth = view.normals[pixel].w;
+    const Vector3d p = pose.translation() + depth / depth_share * direction;
+    view.vertices.push_back(depth > 0 ? glm::vec4(p.x(), p.y(), p.z(), 1) : glm::vec4(0));
+  }
+  return view;
 }
 
 struct Agreement {

@@ -45,8 +45,12 @@ Sums terms(const IcpModel& model, std::span<const Eigen::Vector4d> points, const
             v = static_cast<int>(std::floor(image.y() + 0.5));
   if (u < 0 || v < 0 || u >= model.camera.width || v >= model.camera.height) return out;
   const std::size_t pixel = static_cast<std::size_t>(v) * model.camera.width + u;
-  if (model.vertices[pixel].w() == 0) return out;
-  const Eigen::Vector3d off = point - model.vertices[pixel].head<3>(), n = model.normals[pixel].head<3>();
+  const double depth = model.surface[pixel].w();
+  if (depth == 0) return out;
+  const Eigen::Vector3d ray((u - model.camera.cx) / model.camera.fx, (v - model.camera.cy) / model.camera.fy,
+                            1);
+  const Eigen::Vector3d off = point - model.world_from_camera * Eigen::Vector3d(depth * ray),
+                        n = model.surface[pixel].head<3>();
   const auto own = normalAt(model, points, column, row, slack);
   if (off.norm() > model.distance + slack || !own ||
       (world_from_camera.linear() * *own).dot(n) < model.cosine - slack)

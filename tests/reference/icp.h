@@ -10,9 +10,8 @@ namespace rosefusion::reference {
 
 struct IcpModel {
   Intrinsics camera;
-  Pose world_from_camera;                 ///< from where the model was cast
-  std::vector<Eigen::Vector4d> vertices;  ///< world, by pixel; w = 0 where there is none
-  std::vector<Eigen::Vector4d> normals;
+  Pose world_from_camera;                ///< from where the model was cast
+  std::vector<Eigen::Vector4d> surface;  ///< by pixel: normal (world), depth; 0 where there is none
   int stride = 1;
   int offset = 0;
   double distance = 0.1;

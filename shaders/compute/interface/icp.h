@@ -6,13 +6,12 @@
 namespace rosefusion::shader {
 #endif
 
-const uint kIcpGroup = 64u;        // invocations along x; the group's index is a part of the pixels
-const uint kIcpBindPoints = 0u;    // of pass preprocess
-const uint kIcpBindVertices = 1u;  // of pass raycast
-const uint kIcpBindNormals = 2u;   // of pass raycast
-const uint kIcpBindModel = 3u;     // IcpModel
-const uint kIcpBindSums = 4u;      // kIcpSums floats per part
-const uint kIcpBindings = 5u;
+const uint kIcpGroup = 64u;       // invocations along x; the group's index is a part of the pixels
+const uint kIcpBindPoints = 0u;   // of pass preprocess
+const uint kIcpBindSurface = 1u;  // of pass raycast
+const uint kIcpBindModel = 2u;    // IcpModel
+const uint kIcpBindSums = 3u;     // kIcpSums floats per part
+const uint kIcpBindings = 4u;
 const int kIcpReach = 4;  // pixels to every side from which a pixel's normal is made
 
 // What is summed over the pairs, in this order; the unknowns are those of pass refine.

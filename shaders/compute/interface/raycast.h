@@ -1,4 +1,4 @@
-// Pass raycast: the surface that a camera sees, as points, normals and a shaded picture.
+// Pass raycast: the surface that a camera sees, as normals, depths and a shaded picture.
 #ifndef ROSEFUSION_INTERFACE_RAYCAST_H
 #define ROSEFUSION_INTERFACE_RAYCAST_H
 #include "shaders/compute/interface/types.h"
@@ -12,15 +12,14 @@ const uint kRaycastBindTable = 1u;
 const uint kRaycastBindTsdf = 2u;  // kMaxPoolChunks bindings
 const uint kRaycastBindWeight = 6u;
 const uint kRaycastBindColour = 10u;
-const uint kRaycastBindVertices =
-    14u;  // vec4 per pixel: world-frame point, w = 1; all 0 where nothing was hit
-const uint kRaycastBindNormals =
-    15u;  // vec4 per pixel: world-frame unit normal towards free space, w = 1; or all 0
-const uint kRaycastBindPreview = 16u;  // one word per pixel: red in the low byte, alpha 255
-const uint kRaycastBindTiles = 17u;    // RaycastTile of pass raycast_range
-const uint kRaycastBindSolid = 18u;    // its table of the blocks that can stop a ray
-const uint kRaycastBindDepth = 19u;    // float per pixel, see RaycastParams.depth_value
-const uint kRaycastBindings = 20u;
+// vec4 per pixel: unit normal towards free space, world frame, and depth along the optical axis, metres; all
+// 0 where nothing was hit. The point hit follows from the depth, and what is not written costs no bandwidth.
+const uint kRaycastBindSurface = 14u;
+const uint kRaycastBindPreview = 15u;  // one word per pixel: red in the low byte, alpha 255
+const uint kRaycastBindTiles = 16u;    // RaycastTile of pass raycast_range
+const uint kRaycastBindSolid = 17u;    // its table of the blocks that can stop a ray
+const uint kRaycastBindDepth = 18u;    // float per pixel, see RaycastParams.depth_value
+const uint kRaycastBindings = 19u;
 
 const int kRaycastColoured = 1;  // the surface takes its colour from the volume
 const int kRaycastClear = 2;     // the preview is 0 where nothing was hit, instead of a backdrop
