@@ -15,6 +15,7 @@ constexpr double kElevation = 0.95;  // radians above the horizon
 constexpr double kFill =
     1.3;  // bounding sphere over picture height; above 1, because rooms are flatter than spheres
 constexpr double kOutlierShare = 0.01;  // blocks cut at each end of an axis: stray depth far outside
+constexpr double kPathReach = 0.95;     // of the way to the picture's edge
 constexpr int kLineWidth = 2;
 
 struct Sphere {
@@ -83,6 +84,16 @@ Pose overviewPose(const Volume& volume, const Trajectory& trajectory, const Intr
   pose.linear().col(0) = looking.cross(up).normalized();
   pose.linear().col(1) = looking.cross(pose.linear().col(0));
   pose.translation() = sphere.centre - distance * looking;
+  // A hand-held camera often stands outside of what it sees; its path is to be in the picture all the same.
+  const Pose view_from_world = pose.inverse();
+  double back = 0;
+  for (const StampedPose& p : trajectory) {
+    const Eigen::Vector3d at = view_from_world * p.world_from_camera.translation();
+    const double least_depth = std::max(2 * view.fx * std::abs(at.x()) / (kPathReach * view.width),
+                                        2 * view.fy * std::abs(at.y()) / (kPathReach * view.height));
+    back = std::max(back, least_depth - at.z());
+  }
+  pose.translation() -= back * looking;
   return pose;
 }
 

@@ -8,9 +8,9 @@
 
 namespace rosefusion {
 
-/// Where a camera stands that sees all of the model from obliquely above. "Up" is what the recording cameras
-/// had for up on average; surfaces are seen from their front only, so that ceilings and near walls do not
-/// hide the inside.
+/// Where a camera stands that sees all of the model and of the path from obliquely above. "Up" is what the
+/// recording cameras had for up on average; surfaces are seen from their front only, so that ceilings and
+/// near walls do not hide the inside.
 Pose overviewPose(const Volume& volume, const Trajectory& trajectory, const Intrinsics& view);
 
 /// CV_8UC3 (BGR) picture of the model with the path, blue at its start to red at its end; or, where `shades`
