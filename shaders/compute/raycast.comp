@@ -24,7 +24,9 @@ READ_WORDS(solidEntry, kRaycastBindSolid)
 layout(std430, binding = kRaycastBindDepth) writeonly restrict buffer Depth { float depth[]; };
 
 const float kStepShare = 0.8;   // of the stored distance, which a slanted view makes too long
-const float kLongestStep = 3.0;  // voxels; what lies between two samples then fits into a patch of blocks
+// Voxels. With one more at both ends, their cells and the normal's neighbours the voxels read then lie at most 8 apart:
+// in one patch of blocks.
+const float kLongestStep = 3.0;
 const float kPastExit = 0.01;   // voxels behind a skipped block's face, against rounding
 const float kBeforeExit = 0.5;  // voxels before it: the sample that stands for the block
 const int kMaxCandidates = 8;   // sign changes looked at per ray

@@ -30,7 +30,7 @@ struct Cell {
   ivec3 voxel;
 };
 
-// Slots of the eight voxels at l and h within a layer, each in the second block along an axis where it says so.
+// Slots of the voxels (l, l), (h, l), (l, h), (h, h) of a layer; true: in the second block along that axis.
 uvec4 slotsWithin(uvec4 layer, bvec3 l, bvec3 h) {
   uvec2 first = l.y ? layer.zw : layer.xy, second = h.y ? layer.zw : layer.xy;
   return uvec4(l.x ? first.y : first.x, h.x ? first.y : first.x, l.x ? second.y : second.x, h.x ? second.y : second.x);
@@ -55,6 +55,7 @@ Cell cellIn(Patch slots, vec3 position) {
   return cell;
 }
 
+// ... wherever it lies: for a single one.
 Cell cellAt(vec3 position) {
   ivec3 voxel = ivec3(floor(position - 0.5));
   return cellIn(patchOf(voxel, voxel + 1), position);
@@ -79,7 +80,7 @@ struct Neighbourhood {
   float largest_in_cell;  // among the 8 of the position's cell
 };
 
-// ... of a position whose 27 voxels lie in the patch.
+// Of a position whose 27 voxels lie in the patch.
 Neighbourhood neighbourhoodIn(Patch slots, vec3 position) {
   ivec3 centre = ivec3(position);
   vec3 f = position - vec3(centre) - 0.5;
