@@ -18,6 +18,7 @@ struct DepthSettings {
   double edge_sigmas = 0;
   double noise_floor = 0.005;
   double noise_growth = 0;
+  double bias_growth = 0;
 };
 
 struct VolumeSettings {

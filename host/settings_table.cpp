@@ -65,6 +65,12 @@ std::vector<SettingsField> makeTable() {
           "depth.noise_growth", "1/m", 0, 1,
           "its growth with (depth - 0.4 m)^2; 0: all depths weigh the same, as in the paper",
           [](Settings & s) -> auto& { return s.depth.noise_growth; }),
+      row(
+          "depth.bias_growth", "1/m", 0, 1,
+          "growth with depth^2 of what the depths of a surface are off together, as the sensor's calibration "
+          "leaves it: noise that "
+          "more pixels do not average out; 0: none",
+          [](Settings & s) -> auto& { return s.depth.bias_growth; }),
 
       row(
           "volume.voxel_size", "m", 0.001, 0.5, "edge of a voxel",

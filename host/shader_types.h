@@ -24,7 +24,8 @@ inline shader::CameraIntrinsics toShader(const Intrinsics& k) {
 }
 
 inline SensorNoise toShader(const DepthSettings& depth) {
-  return {static_cast<float>(depth.noise_floor), static_cast<float>(depth.noise_growth)};
+  return {static_cast<float>(depth.noise_floor), static_cast<float>(depth.noise_growth),
+          static_cast<float>(depth.bias_growth)};
 }
 
 }  // namespace rosefusion

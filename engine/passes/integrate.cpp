@@ -31,8 +31,8 @@ void IntegratePass::record(Recorder& recorder, const Volume& volume, const Prepr
       glm::ivec4(camera.size.x, camera.size.y, static_cast<int>(slots_.size()), colour),
       noise.floor,
       noise.growth,
-      volume.options().thin_walls,
-      0};
+      noise.bias_growth,
+      volume.options().thin_walls};
   const Buffer* buffers[kIntegrateTexelBindings] = {&volume.layoutBuffer(), &volume.blockBuffer(), &visible_,
                                                     &frame.depth(), &frame.colour()};
   for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {

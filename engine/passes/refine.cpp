@@ -35,6 +35,7 @@ void RefinePass::record(Recorder& recorder, const Volume& volume, const SelectPo
                             weights.noise.growth,
                             parts_,
                             glm::vec4(last_camera.size.x, last_camera.size.y, inside, 0),
+                            weights.noise.bias_growth,
                             weights.model_noise,
                             weights.front_only};
   const Buffer* buffers[kRefineBindings] = {&volume.layoutBuffer(), &volume.table()};

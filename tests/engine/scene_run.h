@@ -48,7 +48,8 @@ inline glm::mat4 onDevice(const Pose& pose) {
 }
 
 inline SensorNoise onDevice(const reference::DepthNoise& noise) {
-  return {static_cast<float>(noise.floor), static_cast<float>(noise.growth)};
+  return {static_cast<float>(noise.floor), static_cast<float>(noise.growth),
+          static_cast<float>(noise.bias_growth)};
 }
 
 /// The first `count` elements of a device buffer.

@@ -14,11 +14,11 @@ constexpr double kSkippedShare = 0.02;
 
 // Float values, so that both sides weigh by the same numbers. The depths, up to 4.5 m, weigh from 1 to 0.15,
 // which leaves the weights' rounding small against them.
-constexpr reference::DepthNoise kNoise{.floor = 0.005f, .growth = 0.0005f};
+constexpr reference::DepthNoise kNoise{.floor = 0.005f, .growth = 0.0005f, .bias_growth = 0.0004f};
 
 struct Wrong {
   double voxel_size = 1, truncation = 1, max_weight = 1, focal = 1, centre = 0, shift = 0, turn = 0;
-  double floor = 1, growth = 1, deviations = 1;
+  double floor = 1, growth = 1, bias_growth = 1, deviations = 1;
 };
 
 class Integrate : public ValidatingDevice, public ::testing::WithParamInterface<Intrinsics> {
@@ -42,13 +42,15 @@ class Integrate : public ValidatingDevice, public ::testing::WithParamInterface<
   }
 
   reference::TsdfMap referenceMap(const Wrong& wrong = {}) const {
-    reference::TsdfMap map({.voxel_size = kVolume.voxel_size * wrong.voxel_size,
-                            .truncation = kVolume.truncation * wrong.truncation,
-                            .max_weight = kVolume.max_weight * wrong.max_weight,
-                            .thin_walls = run_->volume.options().thin_walls,
-                            .thin_walls_deviations = 4 * wrong.deviations,
-                            .noise = {.floor = run_->sequence.sensor.noise.floor * wrong.floor,
-                                      .growth = run_->sequence.sensor.noise.growth * wrong.growth}});
+    reference::TsdfMap map(
+        {.voxel_size = kVolume.voxel_size * wrong.voxel_size,
+         .truncation = kVolume.truncation * wrong.truncation,
+         .max_weight = kVolume.max_weight * wrong.max_weight,
+         .thin_walls = run_->volume.options().thin_walls,
+         .thin_walls_deviations = 4 * wrong.deviations,
+         .noise = {.floor = run_->sequence.sensor.noise.floor * wrong.floor,
+                   .growth = run_->sequence.sensor.noise.growth * wrong.growth,
+                   .bias_growth = run_->sequence.sensor.noise.bias_growth * wrong.bias_growth}});
     Intrinsics camera = GetParam();
     camera.fx *= wrong.focal;
     camera.cy += wrong.centre;
@@ -106,6 +108,8 @@ TEST_P(Integrate, DepthsWeighByTheirNoise) {
   EXPECT_TRUE(agrees(compareWith({}), kSkippedShare));
   EXPECT_TRUE(differs(compareWith({.growth = 1.05})));
   EXPECT_TRUE(differs(compareWith({.growth = 0})));
+  EXPECT_TRUE(differs(compareWith({.bias_growth = 1.05})));
+  EXPECT_TRUE(differs(compareWith({.bias_growth = 0})));
   EXPECT_TRUE(differs(compareWith({.floor = 1.05})));
   EXPECT_TRUE(differs(compareWith({.max_weight = 1.2})));
   // Weights below and at the cap are among what was compared.

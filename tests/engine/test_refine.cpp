@@ -22,7 +22,7 @@ constexpr double kWideShare = 0.1;
 // Float values, so that both sides weigh by the same numbers.
 const reference::RefineModel kSensor{.truncation = kVolume.truncation,
                                      .huber = 0.02f,
-                                     .noise = {.floor = 0.005f, .growth = 0.0019f},
+                                     .noise = {.floor = 0.005f, .growth = 0.0019f, .bias_growth = 0.003f},
                                      .model_noise = 0.016f};
 
 class Refine : public ValidatingDevice, public ::testing::WithParamInterface<Intrinsics> {
@@ -162,6 +162,8 @@ TEST_P(Refine, ComparisonSeesAWrongCoefficient) {
   EXPECT_TRUE(differs(wrong([](auto& m) { m.noise.floor *= 1.01; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.noise.growth *= 1.01; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.noise.growth = 0; })));
+  EXPECT_TRUE(differs(wrong([](auto& m) { m.noise.bias_growth *= 1.01; })));
+  EXPECT_TRUE(differs(wrong([](auto& m) { m.noise.bias_growth = 0; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.model_noise *= 1.01; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.turn_sense = -1; })));
   EXPECT_TRUE(differs(wrong([](auto& m) { m.close_deviations *= 1.1; })));

@@ -102,7 +102,8 @@ void TsdfMap::update(Voxel& voxel, const Eigen::Vector3d& in_camera, const Point
   voxel.tsdf = (voxel.tsdf * voxel.weight + value * gain) / total;
   voxel.weight = std::min(total, options_.max_weight);
   // Whole weights are held exactly, and so is the cap where all that rounding can make of it reaches it.
-  if (options_.noise.growth > 0) voxel.weight_error += kWeightUnit / 2 + 1e-6 * gain;
+  if (options_.noise.growth > 0 || options_.noise.bias_growth > 0)
+    voxel.weight_error += kWeightUnit / 2 + 1e-6 * gain;
   if (total - voxel.weight_error >= options_.max_weight) voxel.weight_error = 0;
   ++voxel.updates;
   if (rgb.empty() || distance >= options_.truncation) return;

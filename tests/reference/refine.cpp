@@ -91,7 +91,7 @@ Sums terms(const VoxelValues& values, const VoxelValues& weights, const Eigen::V
            const Eigen::Vector3d& arm, double z, bool held_by_last, const RefineModel& model, Sums* size) {
   Sums out = Sums::Zero(), bound = Sums::Zero();
   const Reading reading = interpolate(values, position);
-  double variance = std::pow(model.noise.deviation(z), 2);
+  double variance = model.noise.variance(z);
   if (reading.usable)
     variance += std::pow(model.model_noise, 2) / weights.at(position.array().floor().cast<int>());
   const double cost_weight = model.huber * model.huber / (model.huber * model.huber + variance);

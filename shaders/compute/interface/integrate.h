@@ -27,8 +27,8 @@ struct IntegrateParams {
   ivec4 size;         // width, height, listed blocks, 1 when colour is fused
   float noise_floor;  // see lib/depth_noise.glsl; the weight of a depth is its inverse variance, 1 when near
   float noise_growth;
+  float bias_growth;
   uint thin_walls;  // 1: behind surfaces, of views that contradict each other one counts
-  uint pad0;
 };
 
 #ifdef __cplusplus

@@ -117,15 +117,16 @@ TEST_P(RingWalk, TakesOutTheDriftThatStaysWithoutIt) {
 }
 
 /// What the loop closer makes of poses that drift to one side from frame 40 to 100, and from `jump` on are
-/// true; before, they return to the truth within `slide` frames.
+/// true; before, they return to the truth within `slide` frames. `share`: of the image, from which on a
+/// keyframe is sure of the place that it recognises.
 struct Jump {
   std::optional<int> closed_at;
   std::vector<Pose> believed, corrected;
   LoopFigures figures;
 };
-Jump closeOver(Device& device, int jump, bool firm, double most = 0.3, int slide = 0) {
+Jump closeOver(Device& device, int jump, bool firm, double share, double most = 0.3, int slide = 0) {
   Settings settings = ringSettings(true);
-  settings.loops.share = 0.4;  // so that the first keyframe that recognises the place is sure of it
+  settings.loops.share = share;
   TemplateOptions templates;
   templates.sizes = {1024, 512, 256};
   templates.count = 3;
@@ -153,17 +154,18 @@ Jump closeOver(Device& device, int jump, bool firm, double most = 0.3, int slide
 // Where what was seen long ago weighs more, the tracker leaves the new wall for the old one before two
 // keyframes have asked for it.
 TEST_F(LoopClosing, AJumpOntoTheOldMapBendsTheWayThatLedThere) {
-  const Jump drifting = closeOver(device(), kRingFrames, true);
+  constexpr double kShare = 0.3;  // the first keyframe that recognises the place is sure of it
+  const Jump drifting = closeOver(device(), kRingFrames, true, kShare);
   ASSERT_TRUE(drifting.closed_at);
   const int jump = *drifting.closed_at;  // one keyframe has asked for a correction, none will confirm it
-  const Jump jumping = closeOver(device(), jump, false);
+  const Jump jumping = closeOver(device(), jump, false, kShare);
   ASSERT_TRUE(jumping.closed_at);
   EXPECT_EQ(*jumping.closed_at, jump);
   EXPECT_GT(errorAt(std::size_t(jump - 1), jumping.believed), 0.3);
   EXPECT_LT(errorAt(std::size_t(jump - 1), jumping.corrected), 0.05);
   EXPECT_LT(meanError(jumping.corrected, 0), 0.4 * meanError(jumping.believed, 0));
 
-  const Jump firm = closeOver(device(), jump, true);
+  const Jump firm = closeOver(device(), jump, true, kShare);
   EXPECT_FALSE(firm.closed_at) << "a step that the depth held is no jump";
   EXPECT_EQ(firm.figures.contradictions, 1u);
   EXPECT_LT((firm.corrected[50].translation() - firm.believed[50].translation()).norm(), 1e-9);
@@ -172,11 +174,11 @@ TEST_F(LoopClosing, AJumpOntoTheOldMapBendsTheWayThatLedThere) {
 // It leaves it bit by bit, before any keyframe recognises the place: all comparisons find the camera where it
 // is thought to be, and only the way measured against recent keyframes tells of the drift.
 TEST_F(LoopClosing, ASlideOntoTheOldMapBendsTheWayThatLedThereToo) {
-  constexpr double kDrift = 0.08;
+  constexpr double kShare = 0.4, kDrift = 0.08;
   constexpr int kSlide = 12;
-  const Jump drifting = closeOver(device(), kRingFrames, true, kDrift);
+  const Jump drifting = closeOver(device(), kRingFrames, true, kShare, kDrift);
   ASSERT_TRUE(drifting.closed_at);
-  const Jump sliding = closeOver(device(), *drifting.closed_at - 2, true, kDrift, kSlide);
+  const Jump sliding = closeOver(device(), *drifting.closed_at - 2, true, kShare, kDrift, kSlide);
   ASSERT_TRUE(sliding.closed_at);
   EXPECT_EQ(sliding.figures.closures, 1u);
   const std::size_t before = std::size_t(*drifting.closed_at - 2 - kSlide);
