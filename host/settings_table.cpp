@@ -67,9 +67,8 @@ std::vector<SettingsField> makeTable() {
           [](Settings & s) -> auto& { return s.depth.noise_growth; }),
       row(
           "depth.bias_growth", "1/m", 0, 1,
-          "growth with depth^2 of what the depths of a surface are off together, as the sensor's calibration "
-          "leaves it: noise that "
-          "more pixels do not average out; 0: none",
+          "growth with depth^2 of what the depths of a surface are off together, as by calibration, which "
+          "no average takes out; 0: none",
           [](Settings & s) -> auto& { return s.depth.bias_growth; }),
 
       row(
