@@ -63,7 +63,8 @@ std::vector<SettingsField> makeTable() {
           [](Settings & s) -> auto& { return s.depth.noise_floor; }),
       row(
           "depth.noise_growth", "1/m", 0, 1,
-          "its growth with (depth - 0.4 m)^2; 0: all depths weigh the same, as in the paper",
+          "its growth with (depth - 0.4 m)^2; 0, and no bias_growth: all depths weigh the same, as in the "
+          "paper",
           [](Settings & s) -> auto& { return s.depth.noise_growth; }),
       row(
           "depth.bias_growth", "1/m", 0, 1,

@@ -65,9 +65,9 @@ Sight sightOf(vec3 p) {
 void fuse(Sight sight, inout float tsdf, inout float weight, uint chunk, uint colour) {
   float truncation = volume.scale.z, max_weight = volume.scale.w;
   float value = min(sight.distance_ / truncation, 1.0);
-  float gain = max(params.noise_floor * params.noise_floor /
-                       depthVariance(params.noise_floor, params.noise_growth, params.bias_growth, sight.z),
-                   1.0 / kWeightOne);
+  float noise = depthNoise(params.noise_floor, params.noise_growth, sight.z);
+  float variance = depthVariance(noise, params.bias_growth, sight.z);
+  float gain = max(params.noise_floor * params.noise_floor / variance, 1.0 / kWeightOne);
   // A solid lies behind every surface seen of it: behind surfaces, of two distances that differ by more than noise the larger
   // is right, and their mean would be neither of a thin wall's two sides.
   bool anew = false, told = sight.told;

@@ -68,7 +68,7 @@ void main() {
     vec3 p = pointAt(i).xyz;
     vec3 arm = turn * p;
     float noise = depthNoise(params.noise_floor, params.noise_growth, p.z);
-    float variance = depthVariance(params.noise_floor, params.noise_growth, params.bias_growth, p.z);
+    float variance = depthVariance(noise, params.bias_growth, p.z);
     // Outside the table the border blocks are read, which hold no distance.
     vec3 position = clamp(arm * volume.scale.y + shift, vec3(2.0), last);
     Neighbourhood near = neighbourhoodOf(position);

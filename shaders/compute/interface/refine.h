@@ -42,8 +42,8 @@ struct RefineParams {
   float noise_floor;  // see lib/depth_noise.glsl
   float noise_growth;
   uint parts;
-  vec4 last_image;  // width, height; z: u z by which a point must lie inside it for its voxels to do so too
-  float bias_growth;
+  vec4 last_image;    // width, height; z: u z by which a point must lie inside it for its voxels to do so too
+  float bias_growth;  // see lib/depth_noise.glsl
   float model_noise;  // of the surface in a voxel of weight 1, metres
   uint front_only;    // 1: points where the model shows a surface's back are left out
 };

@@ -5,8 +5,8 @@ float depthNoise(float noise_floor, float growth, float depth) {
   return noise_floor + growth * beyond * beyond;
 }
 
-// With the errors that all depths of a surface share, which grow with the square of the distance.
-float depthVariance(float noise_floor, float growth, float bias_growth, float depth) {
-  float noise = depthNoise(noise_floor, growth, depth), bias = bias_growth * depth * depth;
+// Of the noise and what the depths of a surface are off together, which grows with the square of the distance.
+float depthVariance(float noise, float bias_growth, float depth) {
+  float bias = bias_growth * depth * depth;
   return noise * noise + bias * bias;
 }
