@@ -26,7 +26,7 @@ RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera, Memory 
       kernels_(kernels ? std::move(kernels) : std::make_shared<RaycastKernels>(device)) {
   const auto pixels = static_cast<std::uint64_t>(camera.size.x) * camera.size.y;
   tiles_ = Buffer(device, sizeof(RaycastTile) * tiles_x_ * tiles_y_, Memory::Device);
-  surface_ = Buffer(device, 16 * pixels, Memory::Device);
+  surface_ = Buffer(device, 8 * pixels, Memory::Device);
   preview_ = Buffer(device, 4 * pixels, picture);
   depth_ = Buffer(device, 4 * pixels, Memory::Device);
 }
@@ -34,10 +34,11 @@ RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera, Memory 
 void RaycastPass::record(Recorder& recorder, const VolumeView& volume, const RaycastView& view) {
   const RaycastKernels::Pair& kernels = kernels_->of(volume);
   recordRange(recorder, kernels.range, volume, view);
-  const int flags =
-      (view.colour && volume.options().colour ? kRaycastColoured : 0) | (view.clear ? kRaycastClear : 0);
+  const int flags = (view.colour && volume.options().colour ? kRaycastColoured : 0) |
+                    (view.clear ? kRaycastClear : 0) | (view.depth_value ? kRaycastDepth : 0);
   const RaycastParams params{view.world_from_camera, camera_.focal_centre,
-                             glm::ivec4(camera_.size.x, camera_.size.y, flags, tiles_x_), view.depth_value};
+                             glm::ivec4(camera_.size.x, camera_.size.y, flags, tiles_x_),
+                             view.depth_value.value_or(glm::vec4(0))};
   const Buffer* buffers[kRaycastBindings] = {&volume.layoutBuffer(), &volume.table()};
   for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
     buffers[kRaycastBindTsdf + chunk] = &volume.tsdf(chunk);

@@ -2,6 +2,7 @@
 #pragma once
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "engine/volume.h"
@@ -19,7 +20,8 @@ struct RaycastView {
   bool colour = true;  ///< paint the preview in the volume's colours, where it has any
   bool clear = false;  ///< transparent black where nothing is hit, instead of a backdrop
   /// (a, b, c, d): the depth image holds a + b / z + c z for a hit at depth z, and d where there is none.
-  glm::vec4 depth_value{0, 0, 1, 0};
+  /// Nothing: no depth image is written.
+  std::optional<glm::vec4> depth_value;
 };
 
 /// The pipelines of the pass, for several of them to share. One thread at a time.
@@ -47,8 +49,7 @@ class RaycastPass {
 
   void record(Recorder& recorder, const VolumeView& volume, const RaycastView& view);
 
-  /// vec4 per pixel: unit normal towards free space, world frame, and the hit's depth along the optical axis,
-  /// metres; all 0 where nothing was hit.
+  /// Two words per pixel, see kRaycastBindSurface: packed normal and depth; both 0 where nothing was hit.
   const Buffer& surface() const { return surface_; }
   /// float per pixel, see RaycastView::depth_value.
   const Buffer& depth() const { return depth_; }

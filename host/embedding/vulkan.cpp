@@ -59,10 +59,12 @@ void View::record(VkCommandBuffer commands, std::uint32_t slot, const Look& look
                                            std::to_string(impl_->slots.size()) + " slots; this is none.");
     auto& [recorder, raycast] = impl_->slots[slot];
     const auto& d = look.depth_value;
+    std::optional<glm::vec4> depth_value;
+    if (images.depth) depth_value = glm::vec4(d[0], d[1], d[2], d[3]);
     recorder.recordInto(commands);
-    raycast.record(recorder, impl_->owner.view(),
-                   {toShader(look.world_from_camera), look.near, look.far, look.colour, look.clear,
-                    glm::vec4(d[0], d[1], d[2], d[3])});
+    raycast.record(
+        recorder, impl_->owner.view(),
+        {toShader(look.world_from_camera), look.near, look.far, look.colour, look.clear, depth_value});
     const auto width = static_cast<std::uint32_t>(impl_->camera.width),
                height = static_cast<std::uint32_t>(impl_->camera.height);
     const bool general = images.layout == VK_IMAGE_LAYOUT_GENERAL;

@@ -6,6 +6,7 @@
 // workgroup per part of the pixels; all sums compensated.
 #include "shaders/compute/interface/icp.h"
 #include "shaders/compute/lib/compensated_sum.glsl"
+#include "shaders/compute/lib/direction.glsl"
 #include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/read.glsl"
 #include "shaders/compute/lib/upper_triangle.glsl"
@@ -13,7 +14,7 @@
 layout(local_size_x = kIcpGroup) in;
 PUSHED_PARAMETERS(IcpParams)
 READ_VECTORS(pointOf, kIcpBindPoints)
-READ_VECTORS(modelSurface, kIcpBindSurface)
+READ_WORDS(modelSurface, kIcpBindSurface)
 UNIFORM_PARAMETERS(IcpModel, model, kIcpBindModel)
 layout(std430, binding = kIcpBindSums) writeonly restrict buffer Sums { float sums[]; };
 
@@ -53,11 +54,11 @@ void main() {
     vec2 image = floor(model.focal_centre.xy * seen.xy / seen.z + model.focal_centre.zw + 0.5);
     if (any(lessThan(image, vec2(0.0))) || any(greaterThanEqual(image, vec2(model.size.xy)))) continue;
     uint pixel = uint(int(image.y) * model.size.x + int(image.x));
-    vec4 surface = modelSurface(pixel);
-    vec3 vertex = surface.w * vec3((image - model.focal_centre.zw) / model.focal_centre.xy, 1.0);
+    float depth = uintBitsToFloat(modelSurface(2u * pixel + 1u));
+    vec3 vertex = depth * vec3((image - model.focal_centre.zw) / model.focal_centre.xy, 1.0);
     vec3 to_model = (vertex - seen) * mat3(model.camera_from_world);  // in the world's axes: by the transpose
-    if (surface.w == 0.0 || dot(to_model, to_model) > model.distance * model.distance) continue;
-    vec3 n = surface.xyz, own = normalOf(at, p.xyz);
+    if (depth == 0.0 || dot(to_model, to_model) > model.distance * model.distance) continue;
+    vec3 n = unpackedDirection(modelSurface(2u * pixel)), own = normalOf(at, p.xyz);
     if (dot(mat3(params.world_from_camera) * own, n) < model.cosine || dot(own, own) == 0.0) continue;
     float residual = -dot(n, to_model);
     vec3 moment = cross(arm, n);

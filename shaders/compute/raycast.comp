@@ -14,10 +14,11 @@
 #include "shaders/compute/lib/volume.glsl"
 #include "shaders/compute/lib/interpolate.glsl"
 #include "shaders/compute/lib/shade.glsl"
+#include "shaders/compute/lib/direction.glsl"
 
 layout(local_size_x = kRaycastGroup, local_size_y = kRaycastGroup) in;
 PUSHED_PARAMETERS(RaycastParams)
-layout(std430, binding = kRaycastBindSurface) writeonly restrict buffer Surface { vec4 surface[]; };
+layout(std430, binding = kRaycastBindSurface) writeonly restrict buffer Surface { uint surface[]; };
 layout(std430, binding = kRaycastBindPreview) writeonly restrict buffer Preview { uint preview[]; };
 READ_WORDS(tileWord, kRaycastBindTiles)
 READ_WORDS(solidEntry, kRaycastBindSolid)
@@ -162,19 +163,23 @@ void main() {
   vec2 span = insideTable(ray);
   Hit hit = firstHit(ray, max(span.x, depths.x * voxels_per_depth), min(span.y, depths.y * voxels_per_depth));
 
-  vec4 normal_depth = vec4(0.0);
+  vec3 normal = vec3(0.0);
+  float z = 0.0;
   bool clear = (params.size.z & kRaycastClear) != 0;
   vec4 shaded = clear ? vec4(0.0) : vec4(backgroundColour(float(pixel.y) / float(params.size.y)), 1.0);
   float value = params.depth_value.w;
   if (hit.t > 0.0) {
     vec3 position = at(ray, hit.t);
-    float z = hit.t / voxels_per_depth;
-    normal_depth = vec4(normalize(hit.gradient), z);
-    shaded = vec4(shadedColour(colourAt(position), normal_depth.xyz, ray.direction), 1.0);
+    z = hit.t / voxels_per_depth;
+    normal = normalize(hit.gradient);
+    shaded = vec4(shadedColour(colourAt(position), normal, ray.direction), 1.0);
     value = params.depth_value.x + params.depth_value.y / z + params.depth_value.z * z;
   }
   uint index = uint(pixel.y * params.size.x + pixel.x);
-  surface[index] = normal_depth;
+  surface[2u * index] = packedDirection(normal);
+  surface[2u * index + 1u] = floatBitsToUint(z);
   preview[index] = packUnorm4x8(shaded);
-  depth[index] = value;
+  // A loop and not an `if`: see wellObserved().
+  int depths_wanted = (params.size.z & kRaycastDepth) != 0 ? 1 : 0;
+  for (int i = 0; i < depths_wanted; ++i) depth[index] = value;
 }

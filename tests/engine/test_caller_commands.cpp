@@ -22,7 +22,7 @@ class CallerCommands : public ::testing::Test {
     RaycastView out;
     out.world_from_camera = toGlm(posesAllAround()[0]);
     out.clear = true;
-    out.depth_value = {0, 0, 1, kNothing};
+    out.depth_value = glm::vec4(0, 0, 1, kNothing);
     return out;
   }
   shader::CameraIntrinsics camera{glm::vec4(60, 60, 39.5f, 29.5f), glm::ivec4(kWidth, kHeight, 0, 0)};
@@ -51,17 +51,18 @@ TEST_F(CallerCommands, RaycastFillsTheCallersImages) {
   const auto texels = caller.read(picture, VK_IMAGE_ASPECT_COLOR_BIT, kWidth, kHeight);
   const auto depths = caller.read(depth, VK_IMAGE_ASPECT_COLOR_BIT, kWidth, kHeight);
   EXPECT_TRUE(std::equal(texels.begin(), texels.end(), other.preview().begin()));
-  const auto surface = download<glm::vec4>(device, other.surface());
+  const auto surface = download<std::uint32_t>(device, other.surface());
   std::size_t hits = 0;
   for (std::size_t i = 0; i < texels.size(); ++i) {
     const float z = std::bit_cast<float>(depths[i]);
-    if (surface[i].w == 0) {
+    const float expected = std::bit_cast<float>(surface[2 * i + 1]);
+    if (expected == 0) {
       EXPECT_EQ(z, kNothing);
       EXPECT_EQ(texels[i], 0u) << "transparent where nothing is";
       continue;
     }
     ++hits;
-    EXPECT_NEAR(z, surface[i].w, 1e-6);
+    EXPECT_NEAR(z, expected, 1e-6);
     EXPECT_EQ(texels[i] >> 24, 255u);
   }
   EXPECT_GT(hits, texels.size() / 2);
@@ -72,7 +73,7 @@ TEST_F(CallerCommands, DepthCanBeThatOfAProjection) {
   RaycastView view = this->view();
   metres.record(scene.recorder, scene.volume, view);
   constexpr float kNear = 0.1f, kFar = 10;  // z / w of Vulkan's usual projection
-  view.depth_value = {kFar / (kFar - kNear), -kFar * kNear / (kFar - kNear), 0, 1};
+  view.depth_value = glm::vec4(kFar / (kFar - kNear), -kFar * kNear / (kFar - kNear), 0, 1);
   projected.record(scene.recorder, scene.volume, view);
   scene.recorder.submit();
   const auto z = download<float>(device, metres.depth()), d = download<float>(device, projected.depth());

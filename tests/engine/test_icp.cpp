@@ -5,6 +5,7 @@
 #include "tests/engine/scene_run.h"
 #include "tests/engine/validating_device.h"
 #include "tests/reference/icp.h"
+#include "tests/reference/packed_surface.h"
 
 namespace rosefusion::testing {
 namespace {
@@ -31,7 +32,9 @@ class IcpTest : public ValidatingDevice, public ::testing::WithParamInterface<In
     const std::size_t pixels = std::size_t(GetParam().width) * GetParam().height;
     model_.camera = GetParam();
     model_.world_from_camera = asFloats(run_->sequence.poses[1]);
-    model_.surface = inDoubles(raycast_->surface(), pixels);
+    const auto words = readBack<std::uint32_t>(device(), raycast_->surface(), 2 * pixels);
+    for (std::size_t i = 0; i < words.size(); i += 2)
+      model_.surface.push_back(reference::unpackedSurface(words[i], words[i + 1]));
     model_.stride = kPairing.stride;
     model_.offset = kPairing.stride / 2;
     model_.distance = kPairing.distance;

@@ -7,6 +7,7 @@
 
 #include "engine/passes/raycast.h"
 #include "tests/engine/surface_scene.h"
+#include "tests/reference/packed_surface.h"
 #include "tests/reference/raycast_reference.h"
 
 namespace rosefusion::testing {
@@ -57,7 +58,12 @@ View cast(Device& device, SurfaceScene& scene, const Eigen::Isometry3d& pose, fl
   RaycastPass pass(device, viewCamera());
   pass.record(scene.recorder, scene.volume, {toGlm(pose), near, far, true});
   scene.recorder.submit();
-  View view{.vertices = {}, .normals = download<glm::vec4>(device, pass.surface()), .preview = {}};
+  View view;
+  const auto words = download<std::uint32_t>(device, pass.surface());
+  for (std::size_t i = 0; i < words.size(); i += 2) {
+    const Eigen::Vector4d surface = reference::unpackedSurface(words[i], words[i + 1]);
+    view.normals.emplace_back(surface.x(), surface.y(), surface.z(), surface.w());
+  }
   view.preview.assign(pass.preview().begin(), pass.preview().end());
   for (std::size_t pixel = 0; pixel < view.normals.size(); ++pixel) {
     const auto [direction, depth_share] = rayThrough(pose, static_cast<int>(pixel));
