@@ -28,13 +28,18 @@ struct CallerDevice {
   std::function<void()> lock_queue, unlock_queue;
 };
 
-/// What a caller's device must have been made with. No feature and no extension of Vulkan 1.1 is needed.
+/// What a caller's instance and device must have been made with. No feature and no extension of Vulkan 1.1 is
+/// needed.
 struct DeviceRequirements {
   std::uint32_t api_version = VK_API_VERSION_1_1;  ///< of the instance and of the device
   VkQueueFlags queue_flags = VK_QUEUE_COMPUTE_BIT;
   VkPhysicalDeviceFeatures features{};                ///< all off
   std::vector<const char*> extensions_where_offered;  ///< to be enabled on devices that offer them
-  DeviceLimits limits;                                ///< at least these; 0: any
+  /// To be enabled on the instance, with the flag, where the loader offers it: else it hides MoltenVK.
+  /// (Spelt out, since Vulkan's headers know both from 1.3.208 on only.)
+  const char* instance_extension_where_offered = "VK_KHR_portability_enumeration";
+  VkInstanceCreateFlags instance_flag_with_it = 1;  ///< VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR
+  DeviceLimits limits;                              ///< at least these; 0: any
 };
 DeviceRequirements deviceRequirements();
 

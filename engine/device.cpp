@@ -43,12 +43,12 @@ vk::raii::Instance makeInstance(const vk::raii::Context& context, bool validatio
     layers.push_back(kValidationLayer);
     extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
   }
-  // Lets the loader list MoltenVK, which conforms to a portability subset of Vulkan.
+  const DeviceRequirements needs = deviceRequirements();
   vk::InstanceCreateFlags flags;
   for (const auto& extension : context.enumerateInstanceExtensionProperties())
-    if (std::strcmp(extension.extensionName, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME) == 0) {
-      extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
-      flags |= vk::InstanceCreateFlagBits::eEnumeratePortabilityKHR;
+    if (std::strcmp(extension.extensionName, needs.instance_extension_where_offered) == 0) {
+      extensions.push_back(needs.instance_extension_where_offered);
+      flags = vk::InstanceCreateFlags(needs.instance_flag_with_it);
     }
   try {
     return {context, vk::InstanceCreateInfo(flags, &application, layers, extensions)};
@@ -111,7 +111,7 @@ std::size_t choose(const std::vector<DeviceInfo>& devices, const std::string& se
   }
   if (best < devices.size()) return best;
   throw DeviceError(DeviceErrorCode::NoDevice,
-                    "No Vulkan device fits; choose another with --device." + reasons);
+                    "No Vulkan device fits; choose another with --device or $ROSEFUSION_DEVICE." + reasons);
 }
 
 vk::raii::Device makeDevice(const vk::raii::PhysicalDevice& physical, std::uint32_t family) {

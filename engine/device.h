@@ -21,8 +21,6 @@ struct DeviceLimits {
   std::uint32_t subgroup_size = 0;         ///< reported only; no pass depends on it
   std::uint64_t memory_bytes = 0;          ///< largest device-local heap
   std::uint64_t max_allocation_bytes = 0;  ///< of one buffer
-  /// Whether shaders read through texel buffers: where these hold as much as any storage binding at least.
-  bool readsTexels() const { return 4ull * max_texels >= (128u << 20); }
 };
 
 struct DeviceInfo {
@@ -33,6 +31,9 @@ struct DeviceInfo {
   DeviceType type = DeviceType::Other;
   DeviceLimits limits;
   std::string rejected_because;  ///< empty when rosefusion can run on it
+  /// Whether shaders read through texel buffers: on software devices, where llvmpipe is much faster so, and
+  /// where these hold at least as much as any storage binding. GPUs were only ever measured without.
+  bool readsTexels() const { return type == DeviceType::Cpu && 4ull * limits.max_texels >= (128u << 20); }
 };
 
 /// All devices the loader knows, the unusable ones with the reason. Throws DeviceError (NoDriver) without a

@@ -41,7 +41,7 @@ vk::DescriptorType descriptorType(BindingKind kind) {
 }
 
 ShaderCode readerCode(const Device& device, std::string_view name) {
-  return shaderCode(device.info().limits.readsTexels() ? std::string(name) + "_texels" : std::string(name));
+  return shaderCode(device.info().readsTexels() ? std::string(name) + "_texels" : std::string(name));
 }
 
 Kernel::Kernel(Device& owner, const ShaderCode& code, std::uint32_t bindings, std::uint32_t push_bytes,

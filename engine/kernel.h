@@ -11,7 +11,7 @@
 namespace rosefusion {
 
 /// The variant of a shader that suits the device: NAME_texels, which reads through texel buffers (see
-/// lib/read.glsl), where DeviceLimits::readsTexels, else NAME.
+/// lib/read.glsl), where DeviceInfo::readsTexels, else NAME.
 ShaderCode readerCode(const Device& device, std::string_view name);
 
 /// Owning and movable; must not outlive its Device.

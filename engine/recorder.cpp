@@ -153,9 +153,16 @@ Recorder& Recorder::operator=(Recorder&&) noexcept = default;
 
 void Recorder::dispatchBytes(const Kernel& kernel, std::span<const Buffer* const> buffers, const void* push,
                              std::uint32_t push_bytes, Threads threads) {
-  impl_->bind(kernel.impl(), buffers, push, push_bytes);
   const auto& group = kernel.impl().workgroup;
-  impl_->commands.dispatch((threads.x + group[0] - 1) / group[0], (threads.y + group[1] - 1) / group[1],
+  const std::uint32_t along_x = (threads.x + group[0] - 1) / group[0];
+  if (const DeviceInfo& info = impl_->device.info; along_x > info.limits.max_workgroup_count_x)
+    throw DeviceError(DeviceErrorCode::MissingLimit,
+                      "Kernel " + kernel.impl().name + ": " + std::to_string(along_x) +
+                          " workgroups are more than the " +
+                          std::to_string(info.limits.max_workgroup_count_x) + " that " + info.name +
+                          " runs; give it smaller images.");
+  impl_->bind(kernel.impl(), buffers, push, push_bytes);
+  impl_->commands.dispatch(along_x, (threads.y + group[1] - 1) / group[1],
                            (threads.z + group[2] - 1) / group[2], impl_->vulkan());
   impl_->barrier();
 }

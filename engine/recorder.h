@@ -44,7 +44,8 @@ class Recorder {
   Recorder& operator=(Recorder&&) noexcept;
 
   /// `buffers[i]` is binding i. Throws DeviceError (Programming) for a wrong number of buffers, an
-  /// empty buffer, a wrong push size, or more than 256 dispatches since the last submit.
+  /// empty buffer, a wrong push size, or more than 256 dispatches since the last submit; (MissingLimit) for
+  /// more workgroups along x than the device runs.
   template <typename Params>
   void dispatch(const Kernel& kernel, std::initializer_list<const Buffer*> buffers, const Params& params,
                 Threads threads) {

@@ -51,7 +51,7 @@ Volume::Volume(Device& device, const VolumeOptions& options) : device_(device), 
   memory_limit_bytes_ =
       options.memory_limit_bytes ? options.memory_limit_bytes : limits.memory_bytes / 10 * 8;
   std::uint64_t pool_bytes = std::min(limits.max_storage_buffer_bytes, kLargestPool);
-  if (limits.readsTexels()) pool_bytes = std::min(pool_bytes, std::uint64_t(4) * limits.max_texels);
+  if (device.info().readsTexels()) pool_bytes = std::min(pool_bytes, std::uint64_t(4) * limits.max_texels);
   if (options.max_pool_bytes) pool_bytes = std::min(pool_bytes, options.max_pool_bytes);
   chunk_shift_ = std::bit_width(pool_bytes / (options.colour ? kBlockBytes[2] : kBlockBytes[0])) - 1;
   layout_ = Buffer(device, sizeof(VolumeLayout), Memory::Device);
@@ -176,7 +176,7 @@ void Volume::cover(glm::ivec3 min, glm::ivec3 max) {
   const glm::ivec3 size = high - low + 1;
   const std::uint64_t bytes = 4 * entriesOf(size);
   requireExtent(bytes <= device_.info().limits.max_storage_buffer_bytes &&
-                (!device_.info().limits.readsTexels() || bytes / 4 <= device_.info().limits.max_texels));
+                (!device_.info().readsTexels() || bytes / 4 <= device_.info().limits.max_texels));
   requireRoom(2 * (bytes - std::min(bytes, table_.bytes())));
   staging(bytes);  // like the tables, before anything changes
   Buffer table(device_, bytes, Memory::Device), request_table(device_, bytes, Memory::Device);

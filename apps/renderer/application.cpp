@@ -71,12 +71,22 @@ Application::~Application() {
 }
 
 void Application::makeInstance(const ApplicationOptions& options) {
+  const rosefusion::VulkanRequirements needs = rosefusion::vulkanRequirements();
   VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
   application.pApplicationName = "rosefusion's example renderer";
-  application.apiVersion = rosefusion::vulkanRequirements().api_version;
+  application.apiVersion = needs.api_version;
   VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
   info.pApplicationInfo = &application;
   std::vector<const char*> extensions = options.instance_extensions;
+  std::uint32_t count = 0;
+  vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> offered(count);
+  vkEnumerateInstanceExtensionProperties(nullptr, &count, offered.data());
+  for (const VkExtensionProperties& extension : offered)
+    if (std::strcmp(extension.extensionName, needs.instance_extension_where_offered) == 0) {
+      extensions.push_back(needs.instance_extension_where_offered);
+      info.flags |= needs.instance_flag_with_it;
+    }
   const char* layer = "VK_LAYER_KHRONOS_validation";
   const VkValidationFeatureEnableEXT synchronisation =
       VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;

@@ -68,6 +68,17 @@ void Gpu::makeInstance(const GpuOptions& options) {
   application.apiVersion = VK_API_VERSION_1_1;
   std::vector<const char*> extensions = options.surface_extensions;
   if (options.validation) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+  VkInstanceCreateInfo create{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+  const DeviceRequirements needs = deviceRequirements();
+  std::uint32_t count = 0;
+  vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> offered(count);
+  vkEnumerateInstanceExtensionProperties(nullptr, &count, offered.data());
+  for (const VkExtensionProperties& extension : offered)
+    if (std::string(extension.extensionName) == needs.instance_extension_where_offered) {
+      extensions.push_back(needs.instance_extension_where_offered);
+      create.flags |= needs.instance_flag_with_it;
+    }
   VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
   messenger.messageSeverity =
       VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
@@ -75,7 +86,6 @@ void Gpu::makeInstance(const GpuOptions& options) {
       VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT;
   messenger.pfnUserCallback = onMessage;
   messenger.pUserData = &messages_;
-  VkInstanceCreateInfo create{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
   create.pApplicationInfo = &application;
   create.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
   create.ppEnabledExtensionNames = extensions.data();

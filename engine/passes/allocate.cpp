@@ -14,7 +14,7 @@ constexpr int kPixelStride = 2;        // two pixels are 1 cm apart at 3 m, well
 constexpr float kSamplesPerBlock = 4;  // along the ray
 
 std::uint32_t bindingsOn(const Device& device) {
-  return device.info().limits.readsTexels() ? kAllocateTexelBindings : kAllocateBindings;
+  return device.info().readsTexels() ? kAllocateTexelBindings : kAllocateBindings;
 }
 
 AllocateHeader emptyHeader() {

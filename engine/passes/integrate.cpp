@@ -19,7 +19,7 @@ void IntegratePass::record(Recorder& recorder, const Volume& volume, const Prepr
   std::memcpy(visible_.as<char>().data(), slots_.data(), bytes);
 
   const std::uint32_t bindings =
-      device_.info().limits.readsTexels() ? kIntegrateTexelBindings : kIntegrateBindings;
+      device_.info().readsTexels() ? kIntegrateTexelBindings : kIntegrateBindings;
   Kernel& kernel = kernels_[volume.chunks()];
   if (!kernel)
     kernel = Kernel(device_, readerCode(device_, "integrate"), bindings, sizeof(IntegrateParams),

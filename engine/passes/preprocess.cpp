@@ -47,7 +47,9 @@ void PreprocessPass::recordKernel(Recorder& recorder, float metres_per_unit, flo
   const shader::PreprocessParams params{
       camera_.focal_centre, camera_.size, metres_per_unit, min_depth, max_depth,
       edge_sigmas,          noise.floor,  noise.growth,    0,         0};
-  recorder.dispatch(kernel_, {&raw_, &depth_, &points_}, params, {(pixels + 1) / 2});
+  const std::uint32_t per_group = 2 * shader::kPreprocessGroup;
+  const Buffer* buffers[] = {&raw_, &depth_, &points_};
+  recorder.dispatchGroups(kernel_, buffers, &params, sizeof(params), (pixels + per_group - 1) / per_group);
   const int columns = tilesAlong(camera_.size.x), rows = tilesAlong(camera_.size.y);
   const shader::FarthestParams tiles{glm::ivec4(camera_.size.x, camera_.size.y, columns, rows)};
   recorder.dispatch(farthest_, {&depth_, &tiles_}, tiles, {static_cast<std::uint32_t>(columns * rows)});

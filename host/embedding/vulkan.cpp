@@ -20,7 +20,12 @@ std::vector<SemaphorePoint> toPoints(const std::vector<Semaphores::Point>& point
 
 VulkanRequirements vulkanRequirements() {
   const DeviceRequirements needs = deviceRequirements();
-  return {needs.api_version, needs.queue_flags, needs.features, needs.extensions_where_offered};
+  return {needs.api_version,
+          needs.queue_flags,
+          needs.features,
+          needs.extensions_where_offered,
+          needs.instance_extension_where_offered,
+          needs.instance_flag_with_it};
 }
 
 std::vector<std::string> missingFor(const VulkanHandles& handles) {

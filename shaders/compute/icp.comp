@@ -41,8 +41,8 @@ void main() {
   CompensatedSum sum[kIcpSums];
   [[unroll]] for (uint k = 0u; k < kIcpSums; ++k) sum[k] = CompensatedSum(0.0, 0.0);
 
-  uint cells = uint(model.grid.z * model.grid.w);
-  uint begin = cells * part / params.parts, end = cells * (part + 1u) / params.parts;
+  uint cells = uint(model.grid.z * model.grid.w), each = (cells + params.parts - 1u) / params.parts;
+  uint begin = each * part, end = min(begin + each, cells);
   for (uint cell = begin + lane; cell < end; cell += kIcpGroup) {
     ivec2 at = ivec2(cell % uint(model.grid.z), cell / uint(model.grid.z)) * model.grid.x + model.grid.y;
     vec4 p = pointAt(at);

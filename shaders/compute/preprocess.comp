@@ -46,9 +46,10 @@ void convert(uint pixel, uint value) {
 
 void main() {
   uint pixels = uint(params.size.x * params.size.y);
-  uint first = 2u * gl_GlobalInvocationID.x;
+  uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+  uint number = group * kPreprocessGroup + gl_LocalInvocationID.x, first = 2u * number;
   if (first >= pixels) return;
-  uint pair = rawPair(gl_GlobalInvocationID.x);
+  uint pair = rawPair(number);
   convert(first, pair & 0xFFFFu);
   if (first + 1u < pixels) convert(first + 1u, pair >> 16);
 }

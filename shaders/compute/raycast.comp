@@ -28,7 +28,8 @@ const float kStepShare = 0.8;   // of the stored distance, which a slanted view 
 // Voxels. With one more at both ends, their cells and the normal's neighbours the voxels read then lie at most 8 apart:
 // in one patch of blocks.
 const float kLongestStep = 3.0;
-const float kPastExit = 0.01;   // voxels behind a skipped block's face, against rounding
+const float kPastExit = 0.01;   // voxels behind a skipped block's face, against rounding,
+const float kPastShare = 1e-6;  // ... and a share of the way so far, which far away is more
 const float kBeforeExit = 0.5;  // voxels before it: the sample that stands for the block
 const int kMaxCandidates = 8;   // sign changes looked at per ray
 const float kLeastSlope = -1e-3;  // TSDF per voxel along the ray; keeps Newton steps finite
@@ -40,7 +41,7 @@ const float kMaxResidual = 0.5;  // voxels; a larger TSDF at its end means the r
 struct Ray {
   vec3 origin;
   vec3 direction;  // unit length
-  vec3 inverse;
+  vec3 inverse;    // its sign is the one that counts: an axis that the ray hardly moves along is +1e9
 };
 
 vec3 at(Ray ray, float t) { return ray.origin + t * ray.direction; }
@@ -54,7 +55,7 @@ vec2 insideTable(Ray ray) {
 }
 
 float blockExit(Ray ray, ivec3 entry) {
-  vec3 face = vec3(entry * kBlockSide) + mix(vec3(0.0), vec3(kBlockSide), greaterThan(ray.direction, vec3(0.0)));
+  vec3 face = vec3(entry * kBlockSide) + mix(vec3(0.0), vec3(kBlockSide), greaterThan(ray.inverse, vec3(0.0)));
   vec3 leave = (face - ray.origin) * ray.inverse;
   return min(min(leave.x, leave.y), leave.z);
 }
@@ -97,7 +98,8 @@ Hit firstHit(Ray ray, float begin, float end) {
       front = value >= 0.0;
       front_t = slot == 0u ? leave - kBeforeExit : t;
       float step = clamp(abs(value) * band * kStepShare, 1.0, kLongestStep);
-      t = slot == 0u ? max(leave + kPastExit, t + kPastExit) : t + step;
+      float past = max(kPastExit, kPastShare * t);
+      t = slot == 0u ? max(leave, t) + past : t + step;
     }
     if (t >= end) break;
     front_t = max(front_t, t - kLongestStep);  // farther after a candidate that was none

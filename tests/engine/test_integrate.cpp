@@ -294,13 +294,12 @@ TEST_F(IntegrateRules, BlocksBehindAllSurfacesAreNotLookedAt) {
 }
 
 TEST_F(IntegrateRules, FewWorkgroupsPerRowGiveTheSameVolume) {
-  // A device that dispatches at most 7 workgroups along x gets rows of them, the last one not full.
+  // A device that dispatches at most 11 workgroups along x gets rows of them, the last one not full.
   DeviceOptions options = deviceUnderTest();
-  options.limits_at_most.max_workgroup_count_x = 7;
+  options.limits_at_most.max_workgroup_count_x = 11;
   Device narrow(options);
   const Sequence sequence = makeSequence(kPlainCamera, 1, 35);
-  // Only integrate dispatches groups; the others count threads, which a real device of any kind has enough
-  // of.
+  // Preprocess and integrate, that is; allocate's groups are few.
   SceneRun wide_run(device(), sequence, kVolume), narrow_run(narrow, sequence, kVolume);
   for (SceneRun* run : {&wide_run, &narrow_run}) run->fuseAll();
   EXPECT_EQ(wide_run.volume.download().tsdf, narrow_run.volume.download().tsdf);

@@ -91,7 +91,7 @@ TEST_F(Recording, ABufferTooLargeForTexelsIsRefused) {
   DeviceOptions options = deviceUnderTest();
   options.limits_at_most.max_texels = 16;
   Device small(options);
-  EXPECT_FALSE(small.info().limits.readsTexels());
+  EXPECT_FALSE(small.info().readsTexels());
   const ShaderCode code = shaderCode("refine_texels");
   const Kernel reader(small, code, kRefineBindings, sizeof(RefineParams));
   Recorder recorder(small);
@@ -105,6 +105,21 @@ TEST_F(Recording, ABufferTooLargeForTexelsIsRefused) {
   EXPECT_TRUE(throwsDeviceError([&] { dispatch(68); }, DeviceErrorCode::Programming, {"refine", "texels"}));
   EXPECT_NO_THROW(dispatch(64));
   EXPECT_TRUE(small.validationMessages().empty());
+}
+
+TEST_F(Recording, MoreWorkgroupsThanTheDeviceRunsAreRefused) {
+  DeviceOptions options = deviceUnderTest();
+  options.limits_at_most.max_workgroup_count_x = 4;
+  Device small(options);
+  const Kernel kernel(small, shaderCode("sum_check"), 2, sizeof(SumCheckParams));
+  const Buffer input(small, 64, Memory::Upload), sums(small, 64, Memory::Readback);
+  Recorder recorder(small);
+  const auto dispatch = [&](std::uint32_t groups) {
+    recorder.dispatch(kernel, {&input, &sums}, SumCheckParams{0, 1}, {groups});
+  };
+  EXPECT_TRUE(
+      throwsDeviceError([&] { dispatch(5); }, DeviceErrorCode::MissingLimit, {"sum_check", "5", "4"}));
+  EXPECT_NO_THROW(dispatch(4));
 }
 
 TEST_F(Recording, CopiesAndFillsStayInsideTheirBuffers) {

@@ -54,8 +54,8 @@ std::pair<Vector3d, double> rayThrough(const Eigen::Isometry3d& pose, int pixel,
 }
 
 View cast(Device& device, SurfaceScene& scene, const Eigen::Isometry3d& pose, float near = kNear,
-          float far = kFar) {
-  RaycastPass pass(device, viewCamera());
+          float far = kFar, const shader::CameraIntrinsics& camera = viewCamera()) {
+  RaycastPass pass(device, camera);
   pass.record(scene.recorder, scene.volume, {toGlm(pose), near, far, true});
   scene.recorder.submit();
   View view;
@@ -201,6 +201,32 @@ TEST_F(Raycast, ShowsNothingFromBehindASurface) {
   EXPECT_EQ(cast(device, wall, lookAt({0.4, 0.3, 1.8}, {0, 0, 1})).hits(), 0u);
   EXPECT_EQ(cast(device, wall, lookAt({0, 0, 1.02}, {0, 0, 2})).hits(), 0u)
       << "from inside the wall, looking out";
+}
+
+TEST_F(Raycast, RaysAlongAnAxisCrossEmptyBlocksInOneStepEach) {
+  // A strip at 0.5 m, and below it one at 2.5 m, 1000 voxels farther on. The rays of the middle column do not
+  // move along x, and those below the strip's edge start at its depth.
+  SurfaceScene strips(device, {.voxel_size = 0.002f});
+  const auto distance = [](const Vector3d& origin, const Vector3d& direction) {
+    const Vector3d ray = direction / direction.z();
+    if (std::abs(ray.x()) > 0.05 || std::abs(ray.y()) > 0.08) return 0.0;
+    const bool on_near = origin.y() + 0.5 * ray.y() < 0;
+    return (on_near ? 0.5 : 2.5) * ray.norm();
+  };
+  // Blocks are smaller here than what two pixels see at 2.5 m: from one place some would be left out.
+  for (const double x : {-0.016, 0.0, 0.016})
+    for (const double y : {-0.016, 0.0, 0.016}) {
+      Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+      pose.translation() << x, y, 0;
+      strips.fuse(pose, distance);
+    }
+  shader::CameraIntrinsics camera = viewCamera();
+  constexpr int kMiddle = kWidth / 2;
+  camera.focal_centre.z = kMiddle;
+  const View view = cast(device, strips, Eigen::Isometry3d::Identity(), kNear, kFar, camera);
+  for (int v = kHeight / 2 + 1; v < kHeight / 2 + 4; ++v)
+    for (const int u : {kMiddle - 1, kMiddle, kMiddle + 1})
+      EXPECT_NEAR(view.normals[v * kWidth + u].w, 2.5, 0.002) << "pixel " << u << ", " << v;
 }
 
 TEST_F(Raycast, AnEmptyVolumeShowsTheBackground) {

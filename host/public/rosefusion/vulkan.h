@@ -37,6 +37,9 @@ struct VulkanRequirements {
   VkQueueFlags queue_flags = VK_QUEUE_COMPUTE_BIT;
   VkPhysicalDeviceFeatures features{};                ///< all off
   std::vector<const char*> extensions_where_offered;  ///< to be enabled on devices that offer them
+  /// To be enabled on the instance, with the flag, where the loader offers it: else it hides MoltenVK.
+  const char* instance_extension_where_offered = nullptr;
+  VkInstanceCreateFlags instance_flag_with_it = 0;
 };
 ROSEFUSION_API VulkanRequirements vulkanRequirements();
 

@@ -6,7 +6,7 @@
 namespace rosefusion::shader {
 #endif
 
-const uint kPreprocessGroup = 64u;      // invocations along x; one handles two neighbouring pixels
+const uint kPreprocessGroup = 64u;      // invocations of a group; one handles two neighbouring pixels
 const uint kPreprocessBindRaw = 0u;     // two 16-bit depths per word
 const uint kPreprocessBindDepth = 1u;   // float metres, 0 = invalid
 const uint kPreprocessBindPoints = 2u;  // vec4 per pixel: camera-frame point, w = 1 where valid, else all 0
