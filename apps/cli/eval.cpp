@@ -1,5 +1,6 @@
 // rosefusion eval: how far an estimated trajectory is from the truth.
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 
 #include <filesystem>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include <system_error>
 
 #include "apps/cli/commands.h"
+#include "host/datasets/sequence.h"
 #include "host/error.h"
 #include "host/evaluation/report_json.h"
 #include "host/evaluation/trajectory_error.h"
@@ -28,14 +30,14 @@ struct EvalArguments {
   TrajectoryErrorOptions options;
 };
 
-/// `path`, or the file `name` in it when it is a folder.
-fs::path fileIn(const fs::path& path, const char* name) {
+/// `path`, or the trajectory in it when it is a folder.
+fs::path estimateIn(const fs::path& path) {
   std::error_code unknown;
   if (!fs::is_directory(path, unknown)) return path;
-  if (!fs::exists(path / name, unknown))
-    throw InputError(path.string() + ": the folder has no " + name +
-                     "; give a trajectory file in TUM format instead.");
-  return path / name;
+  if (!fs::exists(path / "trajectory.txt", unknown))
+    throw InputError(path.string() +
+                     ": the folder has no trajectory.txt; give a trajectory file in TUM format instead.");
+  return path / "trajectory.txt";
 }
 
 Trajectory readPoses(const fs::path& file) {
@@ -43,6 +45,31 @@ Trajectory readPoses(const fs::path& file) {
   if (trajectory.empty())
     throw InputError(file.string() + ": has no poses; expected lines 't tx ty tz qx qy qz qw'.");
   return trajectory;
+}
+
+/// The truth in a file or in a sequence's folder, whose stamps may be frame numbers. `arguments.truth`
+/// becomes the file where there is one.
+Trajectory readTruth(EvalArguments& arguments) {
+  std::error_code unknown;
+  const fs::path path = arguments.truth;
+  if (!fs::is_directory(path, unknown)) return readPoses(path);
+  const bool has_file = fs::exists(path / "groundtruth.txt", unknown);
+  if (has_file) arguments.truth = path / "groundtruth.txt";
+  std::unique_ptr<Sequence> sequence;
+  try {
+    sequence = openSequence(path);
+  } catch (const InputError&) {
+    if (!has_file)
+      throw InputError(path.string() +
+                       ": the folder has no groundtruth.txt and cannot be opened as a sequence ('rosefusion "
+                       "check' says why); give a trajectory file in TUM format instead.");
+  }
+  if (sequence) arguments.options.seconds_per_stamp = sequence->info().seconds_per_stamp;
+  if (has_file) return readPoses(arguments.truth);
+  if (sequence->info().truth.empty())
+    throw InputError(path.string() + ": the sequence (" + sequence->info().format +
+                     ") comes without a true trajectory; give one as a file in TUM format instead.");
+  return sequence->info().truth;
 }
 
 /// The number of frames that `rosefusion run` noted beside its trajectory, or 0.
@@ -57,14 +84,17 @@ std::size_t framesOfReport(const fs::path& estimate) {
 
 void requireCommonPoses(const TrajectoryErrors& errors, const EvalArguments& arguments,
                         const Trajectory& estimate, const Trajectory& truth) {
-  if (errors.common_poses > 0) return;
-  throw InputError(
-      fmt::format("{}: no stamp (they run from {:.3f} to {:.3f} s) is within {} s of one in {} ({:.3f} to "
-                  "{:.3f} s); check that "
-                  "both are of the same sequence, or raise --max-difference.",
-                  arguments.estimate.string(), estimate.front().timestamp, estimate.back().timestamp,
-                  arguments.options.max_difference_s, arguments.truth.string(), truth.front().timestamp,
-                  truth.back().timestamp));
+  if (errors.common_poses < kFewestCommonPoses)
+    throw InputError(fmt::format(
+        "{}: {} of {} stamps (they run from {:.3f} to {:.3f}) lie within {} s of one in {} "
+        "({:.3f} to {:.3f}), and fewer than {} poses always align; check the unit of the stamps "
+        "and that both are of the same sequence, or raise --max-difference.",
+        arguments.estimate.string(), errors.common_poses, estimate.size(), estimate.front().timestamp,
+        estimate.back().timestamp, arguments.options.max_difference_s, arguments.truth.string(),
+        truth.front().timestamp, truth.back().timestamp, kFewestCommonPoses));
+  if (2 * errors.common_poses < errors.estimate_poses)
+    spdlog::warn("{}: only {} of {} poses have a true one; check the unit of the stamps.",
+                 arguments.estimate.string(), errors.common_poses, errors.estimate_poses);
 }
 
 std::string row(const char* name, const ErrorSummary& summary, double factor, const char* unit) {
@@ -93,9 +123,9 @@ std::string table(const TrajectoryErrors& errors, const EvalArguments& arguments
 }
 
 void evaluate(EvalArguments arguments) {
-  arguments.estimate = fileIn(arguments.estimate, "trajectory.txt");
-  arguments.truth = fileIn(arguments.truth, "groundtruth.txt");
-  const Trajectory estimate = readPoses(arguments.estimate), truth = readPoses(arguments.truth);
+  arguments.estimate = estimateIn(arguments.estimate);
+  const Trajectory estimate = readPoses(arguments.estimate);
+  Trajectory truth = readTruth(arguments);
   TrajectoryErrorOptions& options = arguments.options;
   if (arguments.interpolate) options.association = Association::kInterpolated;
   if (options.sequence_frames > 0 && options.sequence_frames < estimate.size())
@@ -105,12 +135,15 @@ void evaluate(EvalArguments arguments) {
                     options.sequence_frames, arguments.estimate.string(), estimate.size()));
   if (options.sequence_frames == 0) options.sequence_frames = framesOfReport(arguments.estimate);
 
-  const TrajectoryErrors errors = measureTrajectory(estimate, truth, options);
+  TrajectoryErrors errors = measureTrajectory(estimate, truth, options);
   requireCommonPoses(errors, arguments, estimate, truth);
   if (arguments.json != "-") std::cout << table(errors, arguments);
   writeJson(arguments.json, toJson(errors).dump(2));
-  if (!arguments.plot.empty())
-    plotTrajectoryErrors(errors, truth, arguments.estimate.string(), arguments.plot);
+  if (arguments.plot.empty()) return;
+  // The plot's time axis is in seconds.
+  for (FrameError& frame : errors.per_frame) frame.poses.timestamp *= options.seconds_per_stamp;
+  for (StampedPose& pose : truth) pose.timestamp *= options.seconds_per_stamp;
+  plotTrajectoryErrors(errors, truth, arguments.estimate.string(), arguments.plot);
 }
 
 }  // namespace
@@ -128,7 +161,9 @@ void addEvalCommand(CLI::App& app) {
   command
       ->add_option("ESTIMATE", arguments->estimate, "Trajectory in TUM format, or a folder that `run` wrote")
       ->required();
-  command->add_option("TRUTH", arguments->truth, "Trajectory in TUM format, or a folder with groundtruth.txt")
+  command
+      ->add_option("TRUTH", arguments->truth,
+                   "Trajectory in TUM format, or a folder: groundtruth.txt in it, or a sequence with truth")
       ->required();
   command->add_option("--json", arguments->json,
                       "Write the figures as JSON ('-': to standard output, no table)");
@@ -146,7 +181,7 @@ void addEvalCommand(CLI::App& app) {
           "--frames", arguments->options.sequence_frames,
           "Frames of the sequence; those without a pose count as lost (default: from the report.json that "
           "`run` wrote beside the trajectory, else worked out from the stamps)")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   command->footer(
       "Examples:\n"
       "  rosefusion eval out sequence\n"

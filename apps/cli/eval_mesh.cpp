@@ -73,7 +73,9 @@ std::string table(const MeshErrors& errors, const EvalMeshArguments& arguments,
 }
 
 void evaluate(EvalMeshArguments arguments) {
-  const TriangleMesh mesh = readMesh(arguments.mesh), truth = readMesh(arguments.truth);
+  const bool allow_points = true;
+  const TriangleMesh mesh = readMesh(arguments.mesh, allow_points),
+                     truth = readMesh(arguments.truth, allow_points);
   Alignment alignment;
   alignment.description = "not aligned; both are taken to be in the same frame";
   if (!arguments.estimate_trajectory.empty()) alignment = alignTrajectories(arguments);
@@ -95,15 +97,15 @@ void evaluate(EvalMeshArguments arguments) {
 }  // namespace
 
 void addEvalMeshCommand(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("eval-mesh",
-                         "Compare a reconstructed mesh (or point cloud) with the true surface.\n"
-                         "Accuracy and precision: distance of the reconstruction to the truth. Completeness: "
-                         "share of the true surface that "
-                         "has reconstruction nearby. The whole of TRUTH_MESH counts, so that what the camera "
-                         "never saw lowers completeness "
-                         "(and the F-score) just like what was lost; cut the truth to the seen part to "
-                         "measure that part alone.");
+  CLI::App* command = app.add_subcommand(
+      "eval-mesh",
+      "Compare a reconstructed mesh (or point cloud: a PLY without faces) with the true surface.\n"
+      "Accuracy and precision: distance of the reconstruction to the truth. Completeness: "
+      "share of the true surface that "
+      "has reconstruction nearby. The whole of TRUTH_MESH counts, so that what the camera "
+      "never saw lowers completeness "
+      "(and the F-score) just like what was lost; cut the truth to the seen part to "
+      "measure that part alone.");
   const auto arguments = std::make_shared<EvalMeshArguments>();
   command->add_option("MESH", arguments->mesh, "Reconstruction (PLY, OBJ, STL, ...; metres)")->required();
   command->add_option("TRUTH_MESH", arguments->truth, "True surface (PLY, OBJ, STL, ...; metres)")

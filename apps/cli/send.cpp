@@ -1,5 +1,6 @@
 // rosefusion send: the light end of a stream; reads a camera or a recording, compresses, sends.
 // rosefusion keys: what encrypts it.
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
 #include <cstdio>
@@ -26,16 +27,19 @@ struct SendOptions {
 void report(const SendOptions& o, const StreamSender::Counts& c, std::uint64_t passed_over) {
   const double ratio = c.sent_bytes ? double(c.raw_bytes) / double(c.sent_bytes) : 0;
   const double milliseconds = c.frames ? 1000 * c.compress_seconds / double(c.frames) : 0;
-  std::fprintf(
-      o.json == "-" ? stderr : stdout,
-      "%llu frames sent: %.1f MB, %.1f:1 compressed, %.2f ms a frame to compress; %llu dropped, %llu sent "
-      "again.\n",
-      static_cast<unsigned long long>(c.frames - c.dropped), double(c.sent_bytes) / 1e6, ratio, milliseconds,
-      static_cast<unsigned long long>(c.dropped + passed_over), static_cast<unsigned long long>(c.resent));
-  writeJson(o.json, nlohmann::ordered_json{{"frames", c.frames - c.dropped},
+  const std::uint64_t meant = c.frames - c.dropped;
+  const std::string frames = c.arrived == meant ? fmt::format("{} frames sent", meant)
+                                                : fmt::format("{} of {} frames arrived", c.arrived, meant);
+  std::fprintf(o.json == "-" ? stderr : stdout,
+               "%s: %.1f MB, %.1f:1 compressed, %.2f ms a frame to compress; %llu dropped, %llu sent "
+               "again.\n",
+               frames.c_str(), double(c.arrived_bytes) / 1e6, ratio, milliseconds,
+               static_cast<unsigned long long>(c.dropped + passed_over),
+               static_cast<unsigned long long>(c.resent));
+  writeJson(o.json, nlohmann::ordered_json{{"frames", c.arrived},
                                            {"dropped", c.dropped + passed_over},
                                            {"sent_again", c.resent},
-                                           {"bytes", c.sent_bytes},
+                                           {"bytes", c.arrived_bytes},
                                            {"compression", ratio},
                                            {"compress_ms", milliseconds}}
                         .dump(2));

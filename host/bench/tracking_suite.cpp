@@ -48,18 +48,29 @@ Recovery recoveryOf(const RunSummary& summary, const std::optional<TrajectoryErr
                     double view_returns) {
   Recovery out;
   out.possible = std::isfinite(view_returns);
+  const auto posesAt = [&](double stamp) -> const PosePair* {
+    if (errors)
+      for (const FrameError& e : errors->per_frame)
+        if (std::abs(e.poses.timestamp - stamp) < 1e-6) return &e.poses;
+    return nullptr;
+  };
+  // By what was fused: a wrong pose that was told and not fused must not make the right ones look wrong.
+  std::vector<PosePair> fused;
+  for (const RunFrame& frame : summary.frames)
+    if (const PosePair* poses = frame.result.fused ? posesAt(frame.result.timestamp) : nullptr)
+      fused.push_back(*poses);
+  const Pose truth_from_estimate = alignPoses(fused).truth_from_estimate;
   std::size_t after = 0;
   for (const RunFrame& frame : summary.frames) {
     const double stamp = frame.result.timestamp;
-    const FrameError* error = nullptr;
-    if (errors)
-      for (const FrameError& e : errors->per_frame)
-        if (std::abs(e.poses.timestamp - stamp) < 1e-6) error = &e;
-    const TrackingStatus status = frame.result.status;
-    const bool posed = !frame.skipped && status != TrackingStatus::Lost && error;
-    const bool good = posed && error->ate_m <= kGoodFrame_m;
+    const bool told = !frame.skipped && frame.result.status != TrackingStatus::Lost;
+    const PosePair* poses = told ? posesAt(stamp) : nullptr;
+    const double error =
+        poses ? (truth_from_estimate * poses->estimate.translation() - poses->truth.translation()).norm()
+              : std::numeric_limits<double>::infinity();
+    const bool good = error <= kGoodFrame_m;
     out.wrongly_fused += frame.result.fused && !good;
-    out.final_error_m = posed ? error->ate_m : std::numeric_limits<double>::infinity();
+    out.final_error_m = error;
     if (stamp < view_returns) continue;
     if (good && out.frames == Recovery::kNever) out.frames = after;
     ++after;

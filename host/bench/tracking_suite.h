@@ -31,7 +31,8 @@ struct TrackingSuiteOptions {
 /// A frame is good when its camera position, after alignment, is at most this far from the truth.
 inline constexpr double kGoodFrame_m = 0.03;
 
-/// How tracking came back after a disturbance.
+/// How tracking came back after a disturbance. Frames are good here after an alignment by the fused ones
+/// alone.
 struct Recovery {
   static constexpr std::size_t kNever = ~std::size_t(0);
   static constexpr std::size_t kMostFrames = 15;

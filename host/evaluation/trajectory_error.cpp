@@ -19,9 +19,9 @@ std::vector<double> stamps(const Trajectory& trajectory) {
   return result;
 }
 
-bool hasNear(const std::vector<double>& sorted, double t, double tolerance_s) {
-  const auto at = std::lower_bound(sorted.begin(), sorted.end(), t - tolerance_s);
-  return at != sorted.end() && *at <= t + tolerance_s;
+bool hasNear(const std::vector<double>& sorted, double t, double tolerance) {
+  const auto at = std::lower_bound(sorted.begin(), sorted.end(), t - tolerance);
+  return at != sorted.end() && *at <= t + tolerance;
 }
 
 /// The sorted, finite part of a trajectory without the poses at the stamps in `lost` (sorted).
@@ -54,10 +54,10 @@ double usualInterval(const std::vector<double>& sorted_stamps) {
   return quantile(gaps, 1, 2);
 }
 
-std::size_t missingInGaps(const std::vector<double>& sorted_stamps, double interval_s) {
+std::size_t missingInGaps(const std::vector<double>& sorted_stamps, double interval) {
   std::size_t missing = 0;
-  for (std::size_t i = 1; interval_s > 0 && i < sorted_stamps.size(); ++i) {
-    const double steps = std::round((sorted_stamps[i] - sorted_stamps[i - 1]) / interval_s);
+  for (std::size_t i = 1; interval > 0 && i < sorted_stamps.size(); ++i) {
+    const double steps = std::round((sorted_stamps[i] - sorted_stamps[i - 1]) / interval);
     if (steps > 1) missing += static_cast<std::size_t>(steps) - 1;
   }
   return missing;
@@ -74,11 +74,12 @@ void countFrames(const Trajectory& estimate, const Trajectory& truth, const std:
     basis << "the sequence's number of frames was given";
   } else if (truth_interval >= 0.75 * estimate_interval) {
     // Half an interval at most, or a neighbouring frame's estimate would stand in for a lost one.
-    const double tolerance_s = truth_interval > 0 ? std::min(options.max_difference_s, truth_interval / 2)
-                                                  : options.max_difference_s;
+    const double max_difference = options.max_difference_s / options.seconds_per_stamp;
+    const double tolerance =
+        truth_interval > 0 ? std::min(max_difference, truth_interval / 2) : max_difference;
     errors.lost_frames =
         static_cast<std::size_t>(std::count_if(truth.begin(), truth.end(), [&](const auto& p) {
-          return !hasNear(estimated, p.timestamp, tolerance_s);
+          return !hasNear(estimated, p.timestamp, tolerance);
         }));
     basis << "every true pose is taken as a frame of the sequence";
   } else {
@@ -87,7 +88,7 @@ void countFrames(const Trajectory& estimate, const Trajectory& truth, const std:
     std::merge(estimated.begin(), estimated.end(), lost.begin(), lost.end(), std::back_inserter(seen));
     seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
     errors.lost_frames = seen.size() - estimate.size() + missingInGaps(seen, estimate_interval);
-    basis << "gaps in the estimate, whose usual interval is " << estimate_interval
+    basis << "gaps in the estimate, whose usual interval is " << estimate_interval * options.seconds_per_stamp
           << " s; frames lost before or after it are not known";
   }
   errors.frames = estimate.size() + errors.lost_frames;
@@ -116,7 +117,7 @@ RelativeError relativeError(const PosePair& from, const PosePair& to) {
   return {error.translation().norm(), rotationAngle(error) * 180 / std::numbers::pi};
 }
 
-void measureRelative(TrajectoryErrors& errors) {
+void measureRelative(TrajectoryErrors& errors, double seconds_per_stamp) {
   std::vector<double> frame_m, frame_deg, second_m, second_deg;
   const std::vector<FrameError>& frames = errors.per_frame;
   std::size_t to = 0;
@@ -125,11 +126,11 @@ void measureRelative(TrajectoryErrors& errors) {
     frame_m.push_back(step.translation_m);
     frame_deg.push_back(step.rotation_deg);
 
-    const double later = frames[from].poses.timestamp + 1;
+    const double later = frames[from].poses.timestamp + 1 / seconds_per_stamp;
     const auto offBy = [&](std::size_t i) { return std::abs(frames[i].poses.timestamp - later); };
     while (to + 1 < frames.size() && offBy(to + 1) <= offBy(to)) ++to;
-    if (offBy(to) > kSecondTolerance_s) continue;
-    const double duration_s = frames[to].poses.timestamp - frames[from].poses.timestamp;
+    if (offBy(to) * seconds_per_stamp > kSecondTolerance_s) continue;
+    const double duration_s = (frames[to].poses.timestamp - frames[from].poses.timestamp) * seconds_per_stamp;
     const RelativeError second = relativeError(frames[from].poses, frames[to].poses);
     second_m.push_back(second.translation_m / duration_s);
     second_deg.push_back(second.rotation_deg / duration_s);
@@ -152,7 +153,7 @@ TrajectoryErrors measureTrajectory(const Trajectory& estimate_in, const Trajecto
   const Trajectory estimate = usablePart(estimate_in, lost), truth = usablePart(truth_in, {});
 
   const std::vector<PosePair> pairs =
-      associate(estimate, truth, options.association, options.max_difference_s);
+      associate(estimate, truth, options.association, options.max_difference_s / options.seconds_per_stamp);
   TrajectoryErrors errors;
   errors.estimate_poses = estimate.size();
   errors.truth_poses = truth.size();
@@ -178,7 +179,7 @@ TrajectoryErrors measureTrajectory(const Trajectory& estimate_in, const Trajecto
   }
   errors.ate_m = summarise(ate);
   errors.te_m = summarise(te);
-  measureRelative(errors);
+  measureRelative(errors, options.seconds_per_stamp);
   return errors;
 }
 

@@ -14,6 +14,7 @@ namespace rosefusion {
 struct TrajectoryErrorOptions {
   Association association = Association::kNearest;
   double max_difference_s = 0.02;  ///< evo's own default is 0.01
+  double seconds_per_stamp = 1;    ///< see SequenceInfo; 1/30 where stamps are frame numbers
   /// Frames the sequence has, so that those without a pose count as lost. 0: worked out from the stamps, see
   /// TrajectoryErrors::frames_basis.
   std::size_t sequence_frames = 0;
@@ -27,6 +28,9 @@ struct FrameError {
   double ate_m = 0;  ///< distance of the positions after alignment
   double te_m = 0;   ///< TE, see TrajectoryErrors::te_m
 };
+
+/// With fewer the aligned errors say nothing: one or two poses can always be aligned.
+inline constexpr std::size_t kFewestCommonPoses = 3;
 
 inline constexpr std::array<double, 4> kTeThresholds_m{0.01, 0.02, 0.05, 0.10};
 

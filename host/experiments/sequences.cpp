@@ -38,6 +38,12 @@ std::shared_ptr<MemorySequence> remembered(const SynthOptions& synth) {
   return kept.front().second;
 }
 
+/// The folder's own name, however its path is written ("a/b/", ".").
+std::string nameOf(const fs::path& folder) {
+  const fs::path path = fs::absolute(folder).lexically_normal();
+  return (path.has_filename() ? path : path.parent_path()).filename().string();
+}
+
 /// Opened, if it is a sequence with truth.
 std::shared_ptr<Sequence> tryOpen(const fs::path& path) {
   try {
@@ -112,7 +118,7 @@ std::vector<TestSequence> recordedSequences(const ExperimentContext& context) {
     const auto sequence = tryOpen(folder);
     if (!sequence) continue;
     TestSequence out;
-    out.name = fs::absolute(folder).lexically_normal().filename().string();
+    out.name = nameOf(folder);
     if (context.options.quick) out.run.max_frames = static_cast<std::size_t>(context.amount(0, 20));
     out.stride_factor = context.options.quick ? kQuickShrink : 1;
     // The copy of 7-Scenes is stored at a walking pace; every fourth frame makes it fast.

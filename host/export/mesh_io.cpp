@@ -151,16 +151,24 @@ void weld(TriangleMesh& mesh) {
 
 }  // namespace
 
-TriangleMesh readMesh(const std::filesystem::path& file) {
+TriangleMesh readMesh(const std::filesystem::path& file, bool allow_points) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error))
     throw InputError(file.string() + ": no such mesh file; give a PLY, OBJ, STL or glTF file.");
-  TriangleMesh mesh = isPly(file) ? readPly(file) : readWithAssimp(file);
-  if (mesh.triangles.empty())
+  const bool is_ply = isPly(file);
+  TriangleMesh mesh = is_ply ? readPly(file) : readWithAssimp(file);
+  const bool is_cloud = allow_points && is_ply && mesh.triangles.empty() && !mesh.vertices.empty();
+  if (mesh.triangles.empty() && !is_cloud)
     throw InputError(file.string() + ": the mesh has no triangles; export it as a triangulated surface.");
   if (!std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const auto& v) { return v.allFinite(); }))
     throw InputError(file.string() + ": the mesh has vertices that are not finite; repair it first.");
+  if (is_cloud) return mesh;
   weld(mesh);
+  if (mesh.triangles.empty())
+    throw InputError(
+        file.string() +
+        ": all the mesh's triangles have shrunk to lines or points; check its unit, which must be "
+        "metres, and export it with more digits.");
   return mesh;
 }
 

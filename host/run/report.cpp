@@ -39,6 +39,15 @@ const char* toString(RunEnd end) {
                                       : "device memory full";
 }
 
+/// The figures without those that so few common poses cannot tell.
+Json errorFigures(const TrajectoryErrors& errors) {
+  Json figures = toJson(errors);
+  if (errors.common_poses < kFewestCommonPoses)
+    for (auto& [name, value] : figures.items())
+      if (name.starts_with("ate_") || name.starts_with("rpe_")) value = nullptr;
+  return figures;
+}
+
 std::string csvQuoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -51,6 +60,7 @@ std::optional<TrajectoryErrors> errorsOf(const RunSummary& summary, const Sequen
   if (info.truth.empty()) return std::nullopt;
   TrajectoryErrorOptions options;
   options.sequence_frames = summary.frames.size();
+  options.seconds_per_stamp = info.seconds_per_stamp;
   return measureTrajectory(trajectoryOf(summary), info.truth, options);
 }
 
@@ -91,7 +101,7 @@ Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& p
         {"keyframes", loops->keyframes},    {"keyframes_with_images", loops->keyframes_with_images},
         {"image_bytes", loops->image_bytes}};
   }
-  if (const auto errors = errorsOf(summary, info)) report.update(toJson(*errors));
+  if (const auto errors = errorsOf(summary, info)) report.update(errorFigures(*errors));
   return report;
 }
 

@@ -37,7 +37,8 @@ class StreamSender {
  public:
   struct Counts {
     std::uint64_t frames = 0, dropped = 0, resent = 0;
-    std::uint64_t raw_bytes = 0, sent_bytes = 0;  ///< of each frame once
+    std::uint64_t raw_bytes = 0, sent_bytes = 0;   ///< of each frame once, whether it arrived or not
+    std::uint64_t arrived = 0, arrived_bytes = 0;  ///< frames that the receiver acknowledged
     double compress_seconds = 0;
   };
   /// Connects in the background, now and whenever the connection breaks. Throws InputError for an endpoint or

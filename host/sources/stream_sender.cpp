@@ -43,6 +43,8 @@ struct StreamSender::Impl {
   std::deque<Held> held;                   ///< not yet acknowledged, in order
   std::size_t unsent = 0;                  ///< index in `held` of the next to go out
   std::deque<std::uint64_t> on_their_way;  ///< live: sent, and not known to have arrived
+  /// Live: sequences and sizes of frames not acknowledged on this connection, however long it is silent.
+  std::deque<std::pair<std::uint64_t, std::size_t>> unanswered;
   std::uint64_t window_end = 0;
   std::uint64_t next_sequence = 0;
   Clock::time_point last_answer = Clock::now(), last_probe{};
@@ -97,6 +99,7 @@ struct StreamSender::Impl {
   void goBack() {
     unsent = 0;
     on_their_way.clear();
+    unanswered.clear();  // lost with the old connection, as far as is known
     last_answer = Clock::now();
     probe();
   }
@@ -117,6 +120,11 @@ struct StreamSender::Impl {
       spdlog::warn("{}: the other end hung up at once; are the keys right? trying again", endpoint);
   }
 
+  void countArrived(std::size_t bytes) {
+    ++counts.arrived;
+    counts.arrived_bytes += bytes;
+  }
+
   void takeAnswers() {
     monitor->take([this](int event, std::uint32_t) { onEvent(event); });
     zmq::message_t message;
@@ -129,9 +137,12 @@ struct StreamSender::Impl {
       said_waiting = false;
       window_end = answer.ack->window_end;
       while (!held.empty() && held.front().sequence < answer.ack->expected) {
+        if (!held.front().end) countArrived(held.front().bytes.size());
         held.pop_front();
         if (unsent > 0) --unsent;
       }
+      for (; !unanswered.empty() && unanswered.front().first < answer.ack->expected; unanswered.pop_front())
+        countArrived(unanswered.front().second);
       std::erase_if(on_their_way, [&](std::uint64_t sequence) { return sequence < answer.ack->expected; });
     }
   }
@@ -147,10 +158,12 @@ struct StreamSender::Impl {
       counts.resent += next.sent;
       next.sent = true;
       if (live) on_their_way.push_back(next.sequence);
-      if (live && !next.end)
+      if (live && !next.end) {
+        unanswered.emplace_back(next.sequence, next.bytes.size());
         held.erase(held.begin() + static_cast<std::ptrdiff_t>(unsent));
-      else
+      } else {
         ++unsent;
+      }
     }
   }
 

@@ -29,9 +29,10 @@ class TrackingSuite : public ValidatingDevice {
     options_.rooms = 2;
   }
 
-  /// A run of 10 frames along a line that is exactly right, but for `lost` frames in its middle.
+  /// A run of 10 frames along a line that is exactly right, but for `lost` frames in its middle; or those are
+  /// told `told_off_m` beside their place, and not fused.
   TrackedSequence judged(std::size_t lost, double last_off_m = 0, std::size_t frames = 10,
-                         std::optional<double> view_returns = {}) {
+                         std::optional<double> view_returns = {}, double told_off_m = 0) {
     RunSummary summary;
     SequenceInfo info;
     for (std::size_t i = 0; i < 10; ++i) {
@@ -45,7 +46,10 @@ class TrackingSuite : public ValidatingDevice {
       frame.result.world_from_camera = pose.world_from_camera;
       if (i == 9) frame.result.world_from_camera.translation().z() += last_off_m;
       const bool is_lost = i >= 5 && i < 5 + lost;
-      frame.result.status = is_lost ? TrackingStatus::Lost : TrackingStatus::Tracked;
+      frame.result.status = !is_lost     ? TrackingStatus::Tracked
+                            : told_off_m ? TrackingStatus::Relocalised
+                                         : TrackingStatus::Lost;
+      if (is_lost) frame.result.world_from_camera.translation().y() += told_off_m;
       frame.result.fused = !is_lost;
       summary.frames.push_back(frame);
     }
@@ -175,6 +179,9 @@ TEST_F(TrackingSuite, ComingBackIsCountedFromWhereTheViewReturns) {
   EXPECT_TRUE(recovery(never, 5).good()) << "nothing wrong was fused, and nothing known came into view";
   EXPECT_GT(recovery(5, 2, 0.5).wrongly_fused, 0u);
   EXPECT_FALSE(recovery(5, 2, 0.5).good());
+  const TrackedSequence misplaced = judged(3, 0, 10, never, 2);
+  EXPECT_LT(misplaced.good_frames, 7u) << "the poses told turn the alignment of all";
+  EXPECT_EQ(misplaced.recovery->wrongly_fused, 0u) << "but those fused are right";
 }
 
 TEST_F(TrackingSuite, AFrameFarOffOrNeverReachedIsAFailure) {

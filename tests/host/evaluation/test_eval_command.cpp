@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "apps/cli/commands.h"
 #include "tests/host/base/temporary_folder.h"
@@ -59,6 +60,33 @@ TEST_F(EvalCommand, FindsTheFilesInFolders) {
               AllOf(StartsWith((folder_ / "run").string()), HasSubstr("groundtruth.txt")));
 }
 
+TEST_F(EvalCommand, FindsTheTruthOfASequenceAndTheUnitOfItsStamps) {
+  // ICL-NUIM: the truth is no groundtruth.txt and its stamps are frame numbers, 30 a second.
+  const std::filesystem::path icl = folder_ / "icl";
+  std::filesystem::create_directories(icl / "depth");
+  std::string list;
+  for (int i = 0; i < 3; ++i) {
+    const std::string n = std::to_string(i), image = "depth/" + n + ".png";
+    cv::imwrite(icl / image, cv::Mat(480, 640, CV_16UC1, cv::Scalar(5000 + i)));
+    list += n + " " + image + " " + n + " rgb/" + n + ".png\n";
+  }
+  folder_.write("icl/associations.txt", list);
+  EXPECT_THAT(inputErrorOf([&] {
+                eval({estimate_, icl});
+              }),
+              AllOf(StartsWith(icl.string()), HasSubstr("ICL-NUIM"), HasSubstr("without a true trajectory")));
+  Trajectory truth = curve(60), estimate = truth;
+  for (std::size_t i = 0; i < 60; ++i) {
+    truth[i].timestamp = estimate[i].timestamp = static_cast<double>(i);
+    estimate[i].world_from_camera.translation().x() += 0.001 * static_cast<double>(i);
+  }
+  writeTumTrajectory(icl / "livingRoom1.gt.freiburg", truth);
+  writeTumTrajectory(estimate_, estimate);
+  const auto json = nlohmann::json::parse(eval({estimate_, icl, "--json", "-"}));
+  EXPECT_EQ(json["common_poses"], 60);
+  EXPECT_NEAR(json["rpe_second_mean_m"].get<double>(), 0.03, 1e-5);
+}
+
 TEST_F(EvalCommand, JsonReplacesTheTableOnStandardOutput) {
   const auto printed = nlohmann::json::parse(eval({estimate_, truth_, "--json", "-"}));
   EXPECT_LT(printed["ate_rmse_m"].get<double>(), 1e-6);
@@ -95,6 +123,27 @@ TEST_F(EvalCommand, InputsThatCannotBeComparedAreNamed) {
                 eval({later, truth_});
               }),
               AllOf(StartsWith(later), HasSubstr("5000.000"), HasSubstr("--max-difference")));
+}
+
+TEST_F(EvalCommand, TooFewPairsAreRefusedAndFewAreWarnedOf) {
+  // Stamps in milliseconds: of each sequence that starts at 0 the first pose pairs all the same.
+  Trajectory estimate = curve(60);
+  for (StampedPose& p : estimate) p.timestamp *= 1000;
+  writeTumTrajectory(estimate_, estimate);
+  EXPECT_THAT(inputErrorOf([&] {
+                eval({estimate_, truth_});
+              }),
+              AllOf(StartsWith(estimate_.string()), HasSubstr("1 of 60"), HasSubstr("unit")));
+  estimate = curve(60);
+  for (std::size_t i = 2; i < 60; ++i) estimate[i].timestamp += 1000;
+  writeTumTrajectory(estimate_, estimate);
+  EXPECT_THAT(inputErrorOf([&] { eval({estimate_, truth_}); }), HasSubstr("2 of 60"));
+  estimate[2].timestamp -= 1000;
+  writeTumTrajectory(estimate_, estimate);
+  EXPECT_THAT(eval({estimate_, truth_}),
+              AllOf(HasSubstr("only 3 of 60 poses"), HasSubstr("check the unit"), HasSubstr("ATE")));
+  writeTumTrajectory(estimate_, curve(30));
+  EXPECT_THAT(eval({estimate_, truth_}), ::testing::Not(HasSubstr("check the unit")));
 }
 
 }  // namespace

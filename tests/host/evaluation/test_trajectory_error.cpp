@@ -187,6 +187,29 @@ TEST(TrajectoryError, RpeOfConstantDrift) {
   EXPECT_NEAR(e.rpe_second_deg.max, 0, 1e-6);
 }
 
+TEST(TrajectoryError, StampsMayBeFrameNumbers) {
+  // The drift of the test above, with a frame lost.
+  Trajectory truth, estimate;
+  for (int i = 0; i < 90; ++i) {
+    truth.push_back({double(i), makePose({0, 0.01 * i, 0}, 0, {1, 0, 0})});
+    if (i != 40) estimate.push_back({double(i), makePose({0.001 * i, 0.01 * i, 0}, 0, {1, 0, 0})});
+  }
+  TrajectoryErrorOptions options;
+  options.seconds_per_stamp = 1 / 25.0;
+  const TrajectoryErrors e = measureTrajectory(estimate, truth, options);
+  EXPECT_EQ(e.common_poses, 89u);
+  EXPECT_EQ(e.lost_frames, 1u);
+  EXPECT_NEAR(e.rpe_second_m.mean, 0.025, 1e-12);
+  EXPECT_EQ(e.rpe_second_m.count, 66u) << "as above, but for the frame that is lost";
+  EXPECT_EQ(e.per_frame[1].poses.timestamp, 1) << "stamps stay as they are";
+
+  // Interpolated across a missing true pose: 0.08 s, two units of the stamps.
+  truth.erase(truth.begin() + 10);
+  options.association = Association::kInterpolated;
+  options.max_difference_s = 0.05;
+  EXPECT_EQ(measureTrajectory(estimate, truth, options).common_poses, 89u);
+}
+
 TEST(TrajectoryError, RpeOfConstantTurn) {
   Trajectory truth, estimate;
   for (int i = 0; i < 60; ++i) {

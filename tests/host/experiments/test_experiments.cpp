@@ -7,7 +7,9 @@
 #include <map>
 
 #include "host/error.h"
+#include "host/experiments/sequences.h"
 #include "host/experiments/suite.h"
+#include "host/synth/tum_writer.h"
 #include "tests/engine/validating_device.h"
 #include "tests/host/base/temporary_folder.h"
 
@@ -112,6 +114,20 @@ TEST_F(ExperimentTest, AMissingDataFolderIsNamed) {
   context.options.data = "/nowhere/data";
   EXPECT_THAT(inputErrorOf([&] { runOrRecall(context, *experimentsNamed("accuracy")[0], false); }),
               HasSubstr("/nowhere/data"));
+}
+
+TEST_F(ExperimentTest, RecordedSequencesAreNamedByTheirFolder) {
+  ExperimentContext context = contextIn(folder_ / "a");
+  SynthOptions synth;
+  synth.frames = 3;
+  synth.intrinsics = {64, 48, 32, 32, 31.5, 23.5};
+  writeTumSequence(folder_ / "my_seq", SynthPlan(synth), false);
+  for (const fs::path& data : {folder_ / "my_seq", folder_ / "my_seq/", folder_ / "my_seq/."}) {
+    context.options.data = data;
+    const auto sequences = recordedSequences(context);
+    ASSERT_EQ(sequences.size(), 1u) << data;
+    EXPECT_EQ(sequences[0].name, "my_seq") << data;
+  }
 }
 
 TEST(Summary, CountsTheVerdicts) {

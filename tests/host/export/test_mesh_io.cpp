@@ -169,6 +169,25 @@ TEST_F(MeshIo, BadFilesEndInOneSentenceThatNamesThem) {
       HasSubstr("nan.ply"));
 }
 
+TEST_F(MeshIo, PointCloudsAreReadWhereAllowed) {
+  const std::string points =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n0 0 0\n1 1 1\n";
+  EXPECT_THAT(errorOfReading("points.ply", points), ::testing::HasSubstr("no triangles"));
+  const TriangleMesh cloud = readMesh(folder_ / "points.ply", true);
+  EXPECT_TRUE(cloud.triangles.empty());
+  EXPECT_THAT(cloud.vertices, ::testing::ElementsAre(Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(1, 1, 1)));
+}
+
+TEST_F(MeshIo, MeshesThatShrankToNothingAreRefused) {
+  const std::string flat =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n0 0 0\n1 0 0\n3 0 1 2\n";
+  EXPECT_THAT(errorOfReading("flat.ply", flat),
+              ::testing::AllOf(::testing::HasSubstr("flat.ply"), ::testing::HasSubstr("shrunk")));
+  EXPECT_THROW(readMesh(folder_ / "flat.ply", true), InputError) << "nor is it a point cloud";
+}
+
 TEST_F(MeshIo, DamagedFilesAreRefused) {
   EXPECT_THAT(
       errorOfReading("index.ply",

@@ -106,6 +106,7 @@ TEST(Stream, BringsEveryFrameAndTheCamera) {
   EXPECT_EQ(receiver.info().depth_units_per_metre, 5000);
   EXPECT_EQ(receiver.info().frames, 30u);
   EXPECT_TRUE(sending.finish());
+  EXPECT_EQ(sending.counts().arrived, 30u);
   EXPECT_TRUE(receiver.refusals().empty());
 }
 
@@ -141,6 +142,7 @@ TEST(Stream, LiveStreamsDropWhatTheReceiverCannotTake) {
   Sending sending(receiver.endpoint(), frames, live, 5ms);
   const auto received = receiveAll(receiver, 50ms);
   EXPECT_TRUE(sending.finish());
+  EXPECT_EQ(sending.counts().arrived + sending.counts().dropped, 60u);
   ASSERT_GT(received.size(), 3u);
   EXPECT_LT(received.size(), 30u);
   std::size_t next = received.front().index;
