@@ -11,21 +11,62 @@
 
 namespace rosefusion {
 
-void writeFileAtomically(const std::filesystem::path& file, std::string_view bytes) {
-  namespace fs = std::filesystem;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// What is there and is no regular file: a device or a pipe, possibly behind a link.
+bool isSpecial(const fs::path& file) {
   std::error_code error;
-  if (file.has_parent_path()) {
-    fs::create_directories(file.parent_path(), error);
-    if (error)
-      throw InputError(file.parent_path().string() + ": the folder cannot be made (" + error.message() +
-                       "); choose another output folder.");
-  }
+  const fs::file_status status = fs::status(file, error);
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
+/// Where the bytes go first.
+fs::path temporaryFor(const fs::path& file) {
   fs::path temporary = file;
-  temporary += ".part";
+  return temporary += ".part";
+}
+
+void makeParent(const fs::path& file) {
+  if (!file.has_parent_path()) return;
+  std::error_code error;
+  fs::create_directories(file.parent_path(), error);
+  if (error)
+    throw InputError(file.parent_path().string() + ": the folder cannot be made (" + error.message() +
+                     "); choose another output folder.");
+}
+
+[[noreturn]] void failToWrite(const fs::path& file, int code) {
+  throw InputError(file.string() + ": cannot be written (" + std::strerror(code) +
+                   "); free some space or choose another output folder.");
+}
+
+}  // namespace
+
+void requireWritable(const fs::path& file) {
+  makeParent(file);
+  std::error_code error;
+  if (fs::is_directory(file, error)) failToWrite(file, EISDIR);
+  const bool special = isSpecial(file);
+  if (special) return;
+  const fs::path temporary = temporaryFor(file);
+  std::FILE* out = std::fopen(temporary.c_str(), "wb");
+  if (!out) failToWrite(file, errno);
+  std::fclose(out);
+  fs::remove(temporary, error);
+}
+
+void writeFileAtomically(const fs::path& named, std::string_view bytes) {
+  std::error_code error;
+  makeParent(named);
+  const bool special = isSpecial(named);
+  const fs::path target = fs::is_symlink(named, error) && !special ? fs::canonical(named, error) : fs::path();
+  const fs::path& file = target.empty() ? named : target;
+  const fs::path temporary = special ? file : temporaryFor(file);
   const auto fail = [&](int code) {
-    fs::remove(temporary, error);
-    throw InputError(file.string() + ": cannot be written (" + std::strerror(code) +
-                     "); free some space or choose another output folder.");
+    if (!special) fs::remove(temporary, error);
+    failToWrite(named, code);
   };
   std::FILE* out = std::fopen(temporary.c_str(), "wb");
   if (!out) fail(errno);
@@ -34,13 +75,17 @@ void writeFileAtomically(const std::filesystem::path& file, std::string_view byt
   const bool closed = std::fclose(out) == 0;
   if (!wrote) fail(write_error);
   if (!closed) fail(errno);
+  if (special) return;
   fs::rename(temporary, file, error);
   if (error) fail(error.value());
 }
 
 ScratchFolder::ScratchFolder(const std::string& purpose) {
+  std::error_code error;
+  const fs::path folder = fs::temp_directory_path(error);
+  const char* wanted = std::getenv("TMPDIR");
   std::string pattern =
-      (std::filesystem::temp_directory_path() / ("rosefusion-" + purpose + "-XXXXXX")).string();
+      ((error && wanted ? fs::path(wanted) : folder) / ("rosefusion-" + purpose + "-XXXXXX")).string();
   if (!mkdtemp(pattern.data()))
     throw InputError(pattern +
                      ": no temporary folder can be made; point TMPDIR to a folder that can be written.");

@@ -8,9 +8,14 @@
 namespace rosefusion {
 
 /// Writes to a temporary file beside `file`, flushes it to the disk's view and renames it into place; the
-/// parent folder is made when missing. Throws InputError (naming the file and the system's reason, such as a
-/// full disk) and removes the temporary file on failure.
+/// parent folder is made when missing. A link's target is replaced, not the link; what is no regular file,
+/// such as /dev/stdout or a pipe, is written to. Throws InputError (naming the file and the system's reason,
+/// such as a full disk) and removes the temporary file on failure.
 void writeFileAtomically(const std::filesystem::path& file, std::string_view bytes);
+
+/// Throws what writeFileAtomically would for want of a folder or of permission, before long work; leaves
+/// `file` as it is.
+void requireWritable(const std::filesystem::path& file);
 
 /// A new folder where the system keeps temporary files, removed with all that is in it. Throws InputError.
 class ScratchFolder {

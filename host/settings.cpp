@@ -168,8 +168,10 @@ void applyYamlText(Settings& settings, const std::string& text, const std::strin
 void applyYamlFile(Settings& settings, const std::filesystem::path& file) {
   std::ifstream in(file);
   std::ostringstream text;
-  if (!in || !(text << in.rdbuf()))
-    throw InputError(file.string() + ": cannot be read; give a YAML file or a preset (default, paper).");
+  if (in) text << in.rdbuf();
+  if (text.str().empty())
+    throw InputError(file.string() +
+                     ": cannot be read, or is empty; give a YAML file or a preset (default, paper).");
   applyYamlText(settings, text.str(), file.string());
 }
 

@@ -107,6 +107,7 @@ void bench(Options& o) {
       if (option->count() > 0 && std::find(known.begin(), known.end(), option) == known.end())
         throw InputError(option->get_name() + " belongs to --suite " + suite +
                          "; leave it out, or choose that suite.");
+  requireWritableJson(o.json);
   if (o.suite == "network") return benchNetworkOf(o);
   o.suite == "tracking" ? benchTracking(o) : benchPassesOf(o);
 }
@@ -136,7 +137,7 @@ void addTrackingOptions(CLI::App& c, Options& o) {
           ->check(CLI::Range(1, 1000000))
           ->capture_default_str(),
       c.add_option("--max-speed", o.max_speed, "Of the flights, m/s; mean and least speed follow")
-          ->check(CLI::PositiveNumber)
+          ->check(positive())
           ->capture_default_str(),
       c.add_option("--max-angular", o.max_angular, "Of the flights, rad/s")
           ->check(CLI::NonNegativeNumber)

@@ -133,6 +133,7 @@ nlohmann::ordered_json toJson(const SequenceInfo& info, const Inspection& r) {
 
 void check(const CheckOptions& options) {
   SequenceOptions open;
+  open.colour = true;
   if (const auto& v = options.intrinsics; !v.empty())
     open.intrinsics = Intrinsics{0, 0, v[0], v[1], v[2], v[3]};
   if (options.depth_units_per_metre != 0) open.depth_units_per_metre = options.depth_units_per_metre;
@@ -166,14 +167,14 @@ void addCheckCommand(CLI::App& app) {
       ->add_option(
           "--max-frames", options->max_frames,
           "look at this many depth images only, spread over the sequence (stamps and truth: always all)")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   command->add_option("--intrinsics", options->intrinsics, "fx,fy,cx,cy in pixels instead of the data's own")
       ->delimiter(',')
       ->expected(4);
   command
       ->add_option("--depth-units-per-metre", options->depth_units_per_metre,
                    "instead of the data set's own, such as 1000 for millimetres")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   command->footer(
       "Examples:\n"
       "  rosefusion check rgbd_dataset_freiburg1_rpy\n"

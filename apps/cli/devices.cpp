@@ -58,7 +58,7 @@ void devices(const std::string& json_file) {
   for (const DeviceInfo& info : listDevices()) {
     const bool sums_work = checkSums(info);
     any = any || info.rejected_because.empty();
-    print(info, sums_work);
+    if (json_file != "-") print(info, sums_work);
     list.push_back(toJson(info, sums_work));
   }
   writeJson(json_file, Json{{"devices", list}}.dump(2));

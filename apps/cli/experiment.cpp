@@ -37,6 +37,7 @@ nlohmann::ordered_json toJson(const NamedResult& r) {
 
 void runExperiments(ExperimentCommandOptions& o) {
   const std::vector<const Experiment*> wanted = experimentsNamed(o.name);
+  requireWritableJson(o.json);
   if (o.experiment.data.empty())
     if (const char* data = std::getenv("ROSEFUSION_DATA")) o.experiment.data = data;
   Device device({o.device, false});

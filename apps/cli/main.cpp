@@ -1,5 +1,7 @@
 // rosefusion: the command line.
 #include <CLI/CLI.hpp>
+#include <cstdio>
+#include <string>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/exit_code.h"
@@ -29,6 +31,15 @@ int runCommandLine(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    // CLI11 says of an unknown word only that a command is missing.
+    const std::string word = argc > 1 ? argv[1] : "";
+    const auto commands = app.get_subcommands([&](const CLI::App* c) { return c->get_name() == word; });
+    if (!word.empty() && word[0] != '-' && commands.empty()) {
+      std::fprintf(stderr, "error: there is no command '%s'%s; 'rosefusion --help' lists them.\n",
+                   word.c_str(),
+                   word == "experiment" ? " in this build (CMake's preset release has it)" : "");
+      return rosefusion::kExitBadInput;
+    }
     return app.exit(error) == 0 ? rosefusion::kExitOk : rosefusion::kExitBadInput;
   } catch (const ExitCode& exit) {
     return exit.code;

@@ -9,6 +9,7 @@
 #include "apps/cli/interrupt.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/source_options.h"
+#include "engine/error.h"
 #include "host/error.h"
 #include "host/file_io.h"
 #include "host/log_to_spdlog.h"
@@ -35,43 +36,78 @@ Settings settingsFor(const Options& o) {
   return settings;
 }
 
+bool isSame(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code error;  // of what is not there
+  return std::filesystem::equivalent(a, b, error);
+}
+
 std::string outputFolder(const Options& o) {
   if (!o.out.empty()) return o.out;
   if (isLiveSource(o.source.source)) return "out/live";
   std::filesystem::path sequence = std::filesystem::absolute(o.source.source).lexically_normal();
   if (!sequence.has_filename()) sequence = sequence.parent_path();
-  return (std::filesystem::path("out") / sequence.stem()).string();
+  const bool folder = std::filesystem::is_directory(sequence);
+  std::filesystem::path out = std::filesystem::path("out") / (folder ? sequence.filename() : sequence.stem());
+  if (isSame(out, sequence)) out += "-run";  // of a sequence that lies in out itself
+  return out.string();
 }
 
-void printSummary(const RunSummary& summary, const SequenceInfo& info, const std::string& out) {
-  std::printf("%zu frames in %.1f s: %zu tracked, %zu uncertain, %zu relocalised, %zu lost, %zu skipped.\n",
-              summary.frames.size(), summary.seconds, summary.count(TrackingStatus::Tracked),
-              summary.count(TrackingStatus::Uncertain), summary.count(TrackingStatus::Relocalised),
-              summary.count(TrackingStatus::Lost), summary.skipped());
+/// Its truth and its mesh may be called like ours.
+void requireOtherThanSequence(const std::string& out, const SequenceInfo& info) {
+  const std::filesystem::path& path = info.path;
+  if (isSame(out, path) || (!std::filesystem::is_directory(path) && isSame(out, path.parent_path())))
+    throw InputError(out + ": is the folder of the recording; choose another one with --out.");
+}
+
+void printSummary(std::FILE* to, const RunSummary& summary, const SequenceInfo& info,
+                  const std::string& out) {
+  std::fprintf(to,
+               "%zu frames in %.1f s: %zu tracked, %zu uncertain, %zu relocalised, %zu lost, %zu skipped.\n",
+               summary.frames.size(), summary.seconds, summary.count(TrackingStatus::Tracked),
+               summary.count(TrackingStatus::Uncertain), summary.count(TrackingStatus::Relocalised),
+               summary.count(TrackingStatus::Lost), summary.skipped());
   if (const std::size_t dropped = summary.dropped())
-    std::printf("%zu more frames came while the tracker was busy, and were dropped.\n", dropped);
+    std::fprintf(to, "%zu more frames came while the tracker was busy, and were dropped.\n", dropped);
   for (const RunFrame& f : summary.frames)
     if (!f.skipped && f.result.status == TrackingStatus::Lost) {
-      std::printf("First lost at frame %zu: %s.\n", f.index, f.result.reason.c_str());
+      std::fprintf(to, "First lost at frame %zu: %s.\n", f.index, f.result.reason.c_str());
       break;
     }
   if (summary.loops) {
-    std::printf(
+    std::fprintf(
+        to,
         "%zu loops closed (%zu keyframes, %.1f MB; %zu comparisons with old places, %zu without drift).\n",
         summary.loops->closures, summary.loops->keyframes, 1e-6 * double(summary.loops->image_bytes),
         summary.loops->checks, summary.loops->agreements);
     for (const RunFrame& f : summary.frames)
       if (f.result.loop)
-        std::printf("  at frame %zu with %.2f s: %.1f cm, %.2f degrees\n", f.index, f.result.loop->timestamp,
-                    100 * f.result.loop->shift, f.result.loop->turn * 180 / std::numbers::pi);
+        std::fprintf(to, "  at frame %zu with %.2f s: %.1f cm, %.2f degrees\n", f.index,
+                     f.result.loop->timestamp, 100 * f.result.loop->shift,
+                     f.result.loop->turn * 180 / std::numbers::pi);
   }
-  if (const auto errors = errorsOf(summary, info); errors && errors->common_poses > 0)
-    std::printf(
+  if (const auto errors = errorsOf(summary, info); errors && errors->common_poses >= kFewestCommonPoses)
+    std::fprintf(
+        to,
         "Against the truth: ATE %.2f cm RMSE, %.2f cm mean; TE %.2f cm RMSE, %.0f %% of the frames under 5 "
         "cm.\n",
         100 * errors->ate_m.rmse, 100 * errors->ate_m.mean, 100 * errors->te_m.rmse,
         100 * errors->te_share[2]);
-  for (const char* file : kOutputFiles) std::printf("  %s\n", (std::filesystem::path(out) / file).c_str());
+  for (const char* file : kOutputFiles)
+    if (const auto path = std::filesystem::path(out) / file; std::filesystem::exists(path))
+      std::fprintf(to, "  %s\n", path.c_str());
+}
+
+[[noreturn]] void throwNothingToWrite(const std::string& source, const RunSummary& summary) {
+  if (summary.end == RunEnd::DeviceFull) throw DeviceError(DeviceErrorCode::OutOfMemory, summary.end_reason);
+  if (summary.end == RunEnd::Interrupted) {
+    spdlog::warn("Interrupted before anything was reconstructed; no files are written.");
+    throw ExitCode(kExitInterrupted);
+  }
+  const std::string first =
+      summary.frames.empty() ? "" : " (the first: " + summary.frames.front().result.reason + ")";
+  throw InputError(source + ": no frame could be used" + first +
+                   ", so there is nothing to write; look at it with 'rosefusion check', and at depth.min, "
+                   "depth.max and volume.voxel_size.");
 }
 
 void run(const Options& o) {
@@ -83,12 +119,17 @@ void run(const Options& o) {
   const SequenceInfo& info = source->info();
 
   const std::string out = outputFolder(o);
-  OutputFolder folder(out);
+  requireOtherThanSequence(out, info);
+  const OutputFolder folder(out);
+  requireWritableJson(o.json);
   Device device({o.device, o.validation});
   const std::string count = info.frames ? std::to_string(info.frames) + " frames, " : "";
   spdlog::info("{}: {}{}; on {}", info.path.string(), count, info.format, device.info().name);
   Pipeline pipeline(device, settings, info.intrinsics, info.depth_units_per_metre, logToSpdlog);
 
+  if (const std::string other = folder.resultOf(); !other.empty() && !live && !isSame(other, info.path))
+    spdlog::warn("{}: what lies there is of {} and is replaced; give each its own with --out.", out, other);
+  folder.removeEarlier();
   catchInterrupts();
   RunSummary summary;
   {
@@ -98,18 +139,15 @@ void run(const Options& o) {
     };
     summary = reconstruct(*source, pipeline, o.source.selection.max_frames, show, interrupted);
   }
-  if (pipeline.volume().blockCount() == 0)
-    throw InputError(
-        o.source.source +
-        ": no frame could be used, so there is nothing to write; look at it with 'rosefusion check'.");
+  if (pipeline.volume().blockCount() == 0) throwNothingToWrite(o.source.source, summary);
   spdlog::info("writing {}", out);
   folder.write(summary, info, pipeline);
   writeJson(o.json, reportJson(summary, info, pipeline).dump(2));
-  printSummary(summary, info, out);
+  printSummary(o.json == "-" ? stderr : stdout, summary, info, out);
   for (const std::string& message : device.validationMessages()) spdlog::error("{}", message);
 
   if (summary.end == RunEnd::DeviceFull) {
-    spdlog::error("Ended at frame {} of {}: {}", summary.frames.size(), info.frames, summary.end_reason);
+    spdlog::error("Ended after {} frames: {}", summary.frames.size(), summary.end_reason);
     throw ExitCode(kExitDevice);
   }
   if (summary.end == RunEnd::Interrupted) {

@@ -17,14 +17,15 @@ void SourceArguments::addTo(CLI::App& command) {
       "--realtime", realtime,
       "Take a recording at the speed it was made with, and drop what comes too fast, as of a camera");
   command.add_option("--stride", selection.stride, "Take every K-th frame")->check(CLI::Range(1, 1000000));
-  command.add_option("--max-frames", selection.max_frames, "Stop after N frames; 0: all");
+  command.add_option("--max-frames", selection.max_frames, "Stop after N frames; 0: all")
+      ->check(CLI::Range(0, 1000000000));
   command.add_option("--intrinsics", intrinsics, "fx,fy,cx,cy in pixels, instead of the source's own")
       ->delimiter(',')
       ->expected(4);
   command
       .add_option("--depth-units-per-metre,--depth-scale", depth_scale,
                   "Depth units per metre, instead of the sequence's own")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   command.add_option("--secret-key", stream.secret_key,
                      "Encrypt the network stream: this side's file from 'rosefusion keys'");
   command.add_option("--peer-key", stream.peer_keys,

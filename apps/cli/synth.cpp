@@ -65,6 +65,7 @@ void run(Arguments& a) {
   settle(a);
   requirePlausible(a.options);
   requireUsableOutput(a.out, a.force);
+  requireWritableJson(a.json);
   std::fprintf(stderr, "building the scene and planning the motion\n");
   const SynthPlan plan(a.options);
   if (a.frames_given && static_cast<int>(plan.truth().size()) < a.options.frames)

@@ -60,6 +60,13 @@ void judgeReading(const SequenceInfo& info, const Inspection& r, std::vector<Fin
              r.unreadable[0].problem,
          most ? "copy or export the sequence again" : "they will be skipped; replace the files to use them"});
   }
+  if (!r.colourless.empty())
+    findings.push_back({false,
+                        format("%zu of %zu colour images cannot be used; frame %zu: ", r.colourless.size(),
+                               r.images_read, r.colourless[0].index) +
+                            r.colourless[0].problem,
+                        "those frames are taken by their depth alone; export colour that is registered to "
+                        "the depth images"});
   if (r.frames < 2 || (r.images_read < 2 && bad > 0))
     findings.push_back(
         {true, "only " + counted(r.images_read, "depth image") + " can be read",
@@ -152,8 +159,9 @@ std::vector<Finding> findWhatLooksWrong(const SequenceInfo& info, const Inspecti
   if (info.intrinsics_assumed)
     findings.push_back(
         {false, "the intrinsics are assumed (" + info.intrinsics_source + "), not read from the data",
-         "give the camera's own: a calibration.txt with 'fx fy cx cy' for TUM-like folders, a sequence.yaml, "
-         "or --intrinsics"});
+         std::string("give the camera's own: ") +
+             (info.format.find("TUM") != std::string::npos ? "a calibration.txt with 'fx fy cx cy', " : "") +
+             "a sequence.yaml, or --intrinsics"});
   judgeDepth(info, inspection, findings);
   judgeTime(info, inspection, findings);
   return findings;

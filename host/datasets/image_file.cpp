@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
 #include <string_view>
 
 namespace rosefusion::datasets {
@@ -25,9 +25,14 @@ bool decode(const std::filesystem::path& file, int flags, cv::Mat& image, std::s
               (std::filesystem::exists(file) ? "the file cannot be opened." : "the file is missing.");
     return false;
   }
-  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  // Not by iterators, which throw where the disk cannot be read; a folder opens like a file.
+  std::ostringstream read;
+  read << in.rdbuf();
+  const std::string bytes = std::move(read).str();
   if (bytes.empty()) {
-    problem = file.string() + ": the file is empty; copy or download it again.";
+    problem = file.string() + (std::filesystem::is_regular_file(file) && std::filesystem::file_size(file) == 0
+                                   ? ": the file is empty; copy or download it again."
+                                   : ": cannot be read; copy or download it again.");
     return false;
   }
   if (isTruncatedPng(bytes)) {
@@ -35,7 +40,8 @@ bool decode(const std::filesystem::path& file, int flags, cv::Mat& image, std::s
     return false;
   }
   try {
-    image = cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data()), flags);
+    image = cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data())),
+                         flags);
   } catch (const cv::Exception&) {
     image.release();
   }

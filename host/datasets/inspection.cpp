@@ -117,6 +117,7 @@ void inspectImages(Sequence& sequence, std::size_t max_images,
       if (progress) progress(n + 1, total);
       continue;
     }
+    if (!problem.empty()) result.colourless.push_back({index, problem});
     const Histogram histogram = histogramOf(frame.depth);
     const std::uint64_t valid = validCount(histogram);
     std::size_t distinct = 0;

@@ -41,10 +41,11 @@ struct Inspection {
   std::size_t frames = 0;
   std::size_t images_read = 0;  ///< images looked at and readable; fewer than frames with a limit
   std::vector<UnreadableFrame> unreadable;
-  double first_stamp = 0, last_stamp = 0;  ///< in the data set's own unit
-  double seconds = 0;                      ///< from the first to the last stamp
-  double frames_per_second = 0;            ///< 1 / median interval; 0 when unknown
-  std::vector<TimeGap> gaps;               ///< intervals over kGapFactor times the median
+  std::vector<UnreadableFrame> colourless;  ///< with a colour image that cannot be used; their depth can
+  double first_stamp = 0, last_stamp = 0;   ///< in the data set's own unit
+  double seconds = 0;                       ///< from the first to the last stamp
+  double frames_per_second = 0;             ///< 1 / median interval; 0 when unknown
+  std::vector<TimeGap> gaps;                ///< intervals over kGapFactor times the median
   std::size_t repeated_stamps = 0;
   double valid_share_median = 0;  ///< of the pixels, over the frames
   double valid_share_worst = 1;

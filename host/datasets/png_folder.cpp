@@ -77,7 +77,7 @@ void refuseUnknownKeys(const YAML::Node& node, const std::set<std::string>& know
   for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
   if (!node.IsMap()) throw InputError(yaml.string() + ": expected a map with the keys " + names + ".");
   for (const auto& entry : node)
-    if (const auto key = entry.first.as<std::string>(); !known.contains(key))
+    if (const auto key = entry.first.as<std::string>("(no text)"); !known.contains(key))
       throw InputError(yaml.string() + ": unknown key '" + key + "'; known are " + names + ".");
 }
 

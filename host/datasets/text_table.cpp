@@ -16,6 +16,7 @@ TextTable readTextTable(const std::filesystem::path& file) {
   TextTable table;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
+    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // a byte order mark
     std::replace(line.begin(), line.end(), ',', ' ');
     std::istringstream fields(line);
     TextRow row{number, {}};

@@ -1,5 +1,9 @@
 #include "host/run/output.h"
 
+#include <spdlog/spdlog.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "host/error.h"
@@ -18,15 +22,24 @@ OutputFolder::OutputFolder(const std::filesystem::path& folder) : folder_(folder
   if (error || !fs::is_directory(folder_))
     throw InputError(folder_.string() + ": cannot be made (" + error.message() +
                      "); choose another folder with --out.");
+  requireWritable(folder_ / "settings.yaml");  // now, not after an hour
+}
+
+std::string OutputFolder::resultOf() const {
+  std::ifstream in(folder_ / "report.json");
+  const auto report = nlohmann::json::parse(in, nullptr, false);
+  const nlohmann::json::json_pointer key("/sequence/path");
+  return report.contains(key) && report[key].is_string() ? report[key].get<std::string>() : "";
+}
+
+void OutputFolder::removeEarlier() const {
   for (const char* file : kOutputFiles) {
-    fs::remove(folder_ / file, error);
+    std::error_code error;
+    std::filesystem::remove(folder_ / file, error);
     if (error)
       throw InputError((folder_ / file).string() + ": cannot be replaced (" + error.message() +
                        "); choose another folder with --out.");
   }
-  writeFileAtomically(folder_ / "settings.yaml",
-                      "");  // finds out now, not after an hour, that nothing can be written
-  fs::remove(folder_ / "settings.yaml", error);
 }
 
 void OutputFolder::write(const RunSummary& summary, const SequenceInfo& info, Pipeline& pipeline) const {
@@ -37,9 +50,16 @@ void OutputFolder::write(const RunSummary& summary, const SequenceInfo& info, Pi
 
   const MeshSettings& mesh = pipeline.settings().mesh;
   ExtractPass extract(pipeline.device());
-  writePly(folder_ / "mesh.ply",
-           extractMesh(extract, pipeline.volume(),
-                       {static_cast<float>(mesh.min_weight), static_cast<std::size_t>(mesh.min_component)}));
+  const TriangleMesh surface =
+      extractMesh(extract, pipeline.volume(),
+                  {static_cast<float>(mesh.min_weight), static_cast<std::size_t>(mesh.min_component)});
+  if (surface.triangles.empty())
+    spdlog::warn(
+        "mesh.ply is left out: the model has no surface to show; fuse more frames, or lower mesh.min_weight "
+        "or "
+        "mesh.min_component.");
+  else
+    writePly(folder_ / "mesh.ply", surface);
   std::vector<std::uint8_t> png;
   cv::imencode(".png", renderOverview(pipeline, trajectory), png);
   writeFileAtomically(folder_ / "preview.png", {reinterpret_cast<const char*>(png.data()), png.size()});

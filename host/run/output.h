@@ -9,14 +9,19 @@ namespace rosefusion {
 inline constexpr const char* kOutputFiles[] = {"trajectory.txt", "mesh.ply",      "preview.png",
                                                "frames.csv",     "settings.yaml", "report.json"};
 
-/// The output folder of one run. Making it removes the files of an earlier run, so that what lies there after
-/// a failure is never taken for this run's result. Throws InputError when the folder cannot be used.
+/// The output folder of one run.
 class OutputFolder {
  public:
+  /// Makes it and finds out whether it can be written to. Throws InputError when it cannot be used.
   explicit OutputFolder(const std::filesystem::path& folder);
 
-  /// Writes all of kOutputFiles, report.json last: its presence says that the others are complete. Throws
-  /// InputError.
+  /// The recording whose result lies there (`sequence.path` of its report); empty: none, or not told.
+  std::string resultOf() const;
+  /// Removes the files of an earlier run, so that what lies there after a failure is never taken for this
+  /// run's result: once the frames are about to come, since a mistyped setting must not cost a result.
+  void removeEarlier() const;
+  /// Writes all of kOutputFiles, report.json last: its presence says that the others are complete. Without a
+  /// triangle there is no mesh.ply, with a warning. Throws InputError.
   void write(const RunSummary& summary, const SequenceInfo& info, Pipeline& pipeline) const;
 
  private:

@@ -54,6 +54,7 @@ RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_
   const std::size_t expected = source.expectedFrames();
   const std::size_t total = max_frames && (!expected || max_frames < expected) ? max_frames : expected;
   RunSummary summary;
+  std::size_t colourless = 0;  // frames whose colour could not be used
   while (!max_frames || summary.frames.size() < max_frames) {
     SourceFrame read;
     const SourceState state = source.next(read, stop);
@@ -63,7 +64,11 @@ RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_
     frame.index = read.index;
     frame.dropped = read.dropped;
     frame.skipped = !read.usable;
-    if (!read.problem.empty()) spdlog::warn("{}", read.problem);
+    const bool without_colour = read.usable && !read.problem.empty();
+    if (!read.usable)
+      spdlog::warn("{}", read.problem);
+    else if (without_colour && colourless++ == 0)
+      spdlog::warn("{} The frame is taken by its depth alone, and so are more like it.", read.problem);
     try {
       if (read.usable) {
         frame.result = pipeline.processFrame(read.frame);
@@ -80,6 +85,7 @@ RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_
     summary.frames.push_back(std::move(frame));
     if (progress) progress({summary.frames.size(), total, &summary.frames.back()});
   }
+  if (colourless > 1) spdlog::warn("{} frames were taken without their colour.", colourless);
   finish(pipeline, summary);
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return summary;

@@ -13,7 +13,8 @@ namespace rosefusion {
 std::optional<TrajectoryErrors> errorsOf(const RunSummary& summary, const SequenceInfo& info);
 
 /// The keys are documented in the README: device, frames, tracked, uncertain, lost, milliseconds, iterations,
-/// lookups_per_frame, memory_bytes, and with truth the keys of `rosefusion eval`.
+/// lookups_per_frame, memory_bytes, and with truth the keys of `rosefusion eval`; ate_ and rpe_ are null with
+/// fewer than kFewestCommonPoses.
 nlohmann::ordered_json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& pipeline);
 
 /// One row per frame, with units in the header.

@@ -62,10 +62,22 @@ fs::path settled(const fs::path& folder) {
   return whole.has_filename() ? whole : whole.parent_path();
 }
 
+/// Where a sequence is made before it gets its name, marked as ours to delete.
+constexpr const char* kPartMark = ".rosefusion-part";
+fs::path partOf(fs::path folder) {
+  return folder += ".part";
+}
+
 }  // namespace
 
 void requireUsableOutput(const fs::path& folder, bool force) {
+  if (folder.empty()) throw InputError("The sequence's folder has no name; give one.");
   std::error_code error;
+  const fs::path part = partOf(settled(folder));
+  if (fs::exists(part, error) && !fs::exists(part / kPartMark, error))
+    throw InputError(part.string() +
+                     ": is in the way and was not left by an interrupted run; move it, or give "
+                     "another folder.");
   if (!fs::exists(folder, error)) return;
   if (!fs::is_directory(folder, error))
     throw InputError(folder.string() + ": is a file; give the name of a folder for the sequence.");
@@ -121,10 +133,10 @@ void writeTumSequence(const fs::path& out, const SynthPlan& plan, bool force,
                       const std::function<void(int, int)>& progress) {
   const fs::path folder = settled(out);
   requireUsableOutput(folder, force);
-  fs::path part = folder;
-  part += ".part";
+  const fs::path part = partOf(folder);
   std::error_code error;
   fs::remove_all(part, error);
+  writeFileAtomically(part / kPartMark, "");
 
   const SynthOptions& options = plan.options();
   const int count = static_cast<int>(plan.truth().size());
@@ -156,6 +168,7 @@ void writeTumSequence(const fs::path& out, const SynthPlan& plan, bool force,
     throw;
   }
   fs::remove_all(folder, error);
+  fs::remove(part / kPartMark, error);
   fs::rename(part, folder, error);
   if (error)
     throw InputError(folder.string() + ": cannot be replaced (" + error.message() + "); the sequence is in " +

@@ -80,6 +80,26 @@ TEST(CommandLine, UnknownArgumentsAreRefused) {
   EXPECT_EQ(program("reconstruct").code, kExitBadInput);
   EXPECT_EQ(program("run somewhere --no-such-option").code, kExitBadInput);
   EXPECT_EQ(program("").code, kExitBadInput);
+  EXPECT_THAT(program("reconstruct").text, HasSubstr("'reconstruct'"));
+  EXPECT_THAT(program("run somewhere --max-frames -1").text, HasSubstr("--max-frames"));
+  EXPECT_THAT(program("run somewhere --depth-units-per-metre nan").text,
+              HasSubstr("'nan' is not a number above 0"));
+}
+
+TEST(CommandLine, ARecordingAndAnEarlierResultSurviveMistakes) {
+  const TemporaryFolder folder;
+  const std::string sequence = (folder / "s").string(), out = (folder / "o").string();
+  ASSERT_EQ(program("synth " + sequence + " --frames 3 --width 64 --height 48").code, 0);
+  const Outcome onto_itself = program("run " + sequence + " --out " + sequence);
+  EXPECT_EQ(onto_itself.code, kExitBadInput);
+  EXPECT_THAT(onto_itself.text, HasSubstr("--out"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "s" / "mesh.ply"));
+  const Outcome good = program("run " + sequence + " --out " + out + " --json -");
+  ASSERT_EQ(good.code, 0) << good.text;
+  EXPECT_EQ(program("run " + sequence + " --out " + out + " --device nosuchgpu").code, kExitDevice);
+  EXPECT_TRUE(std::filesystem::exists(folder / "o" / "report.json"));
+  EXPECT_EQ(program("run " + sequence + " --out " + out + " --json /dev/null/x.json").code, kExitBadInput);
+  EXPECT_TRUE(std::filesystem::exists(folder / "o" / "report.json"));
 }
 
 TEST(CommandLine, NoVulkanDriverIsADeviceError) {
@@ -106,6 +126,29 @@ TEST(CommandLine, GeneratedSequencesHaveColourUnlessToldOtherwise) {
   ASSERT_EQ(program("synth " + (folder / "depth").string() + size + " --no-colour").code, 0);
   EXPECT_TRUE(std::filesystem::exists(folder / "depth" / "depth.txt"));
   EXPECT_FALSE(std::filesystem::exists(folder / "depth" / "rgb.txt"));
+}
+
+TEST(CommandLine, FramesThatNobodyTookAreNotCountedAsSent) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(program("synth " + (folder / "s").string() + " --frames 2 --width 64 --height 48").code, 0);
+  // Nobody listens at port 1.
+  const std::string json = (folder / "sent.json").string();
+  const Outcome outcome = program("send " + (folder / "s").string() + " tcp://127.0.0.1:1 --json " + json,
+                                  "timeout --foreground --preserve-status -s INT 4 env");
+  if (outcome.text.find("without network streams") != std::string::npos) GTEST_SKIP() << outcome.text;
+  EXPECT_EQ(outcome.code, kExitInterrupted) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("0 of 2 frames arrived"));
+  EXPECT_THAT(contents(json), ::testing::AllOf(HasSubstr("\"frames\": 0"), HasSubstr("\"bytes\": 0")));
+}
+
+TEST(CommandLine, PointCloudsAreCompared) {
+  const TemporaryFolder folder;
+  const std::string cloud = folder.write("cloud.ply",
+                                         "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n"
+                                         "property float y\nproperty float z\nend_header\n0 0 0\n1 1 1\n");
+  const Outcome outcome = program("eval-mesh " + cloud + " " + cloud);
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("2 on the reconstruction, 2 on the truth"));
 }
 
 TEST(CommandLine, InterruptFinishesTheFiles) {

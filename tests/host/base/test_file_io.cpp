@@ -67,6 +67,31 @@ TEST(WriteFileAtomically, DoesNotReplaceAFolder) {
   EXPECT_EQ(folder.entries(), 1u);
 }
 
+TEST(WriteFileAtomically, ALinksTargetIsReplacedAndADeviceIsWrittenTo) {
+  const TemporaryFolder folder;
+  const fs::path target = folder.write("target", "old");
+  fs::create_symlink(target, folder / "link");
+  writeFileAtomically(folder / "link", "new");
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(contents(target), "new");
+  fs::create_symlink("/dev/null", folder / "null");
+  writeFileAtomically(folder / "null", "gone");
+  EXPECT_TRUE(fs::is_symlink(folder / "null"));
+  EXPECT_TRUE(fs::is_character_file(folder / "null"));
+  EXPECT_EQ(folder.entries(), 3u);
+}
+
+TEST(RequireWritable, TellsEarlyAndChangesNothing) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.write("plain", "x");
+  requireWritable(file);
+  EXPECT_EQ(contents(file), "x");
+  requireWritable(folder / "not yet");
+  EXPECT_EQ(folder.entries(), 1u);
+  EXPECT_THAT(inputErrorOf([&] { requireWritable(file / "below"); }), HasSubstr("Not a directory"));
+  EXPECT_THAT(inputErrorOf([&] { requireWritable(folder.path()); }), HasSubstr("Is a directory"));
+}
+
 TEST(WriteFileAtomically, FullDiskKeepsTheOldFileWhole) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
   const TemporaryFolder folder;

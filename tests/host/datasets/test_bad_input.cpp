@@ -55,6 +55,8 @@ TEST(BadFrame, EmptyMissingOrNoImage) {
   EXPECT_THAT(problemOfSecondFrame(folder), HasSubstr("cannot be decoded"));
   folder.remove(kSecondDepth);
   EXPECT_THAT(problemOfSecondFrame(folder), HasSubstr("missing"));
+  std::filesystem::create_directory(folder.path() / kSecondDepth);  // opens, and cannot be read
+  EXPECT_THAT(problemOfSecondFrame(folder), HasSubstr("cannot be read"));
 }
 
 TEST(BadFrame, EightBitDepth) {

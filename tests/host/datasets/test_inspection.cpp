@@ -29,10 +29,11 @@ class MadeSequence : public Sequence {
   double timestamp(std::size_t index) const override { return stamps[index]; }
   bool read(std::size_t index, Frame& frame, std::string& problem) override {
     frame = {stamps[index], depth_(index), {}};
-    if (frame.depth.empty()) problem = "frame.png: the file is missing.";
+    problem = frame.depth.empty() ? "frame.png: the file is missing." : colour_problem;
     return !frame.depth.empty();
   }
   std::vector<double> stamps;
+  std::string colour_problem;
 
  private:
   std::function<cv::Mat(std::size_t)> depth_;
@@ -177,6 +178,14 @@ TEST(Findings, UnreadableFrames) {
   EXPECT_THAT(inspectSequence(most).findings, says(true, "16 of 20"));
   MadeSequence single(1, ramp);
   EXPECT_THAT(inspectSequence(single).findings, says(true, "only 1 depth image can"));
+}
+
+TEST(Findings, ColourThatCannotBeUsed) {
+  MadeSequence sequence(10, ramp);
+  sequence.colour_problem = "rgb.png: the image is 64x48, but this sequence is 32x24.";
+  const Inspection r = inspectSequence(sequence);
+  EXPECT_THAT(r.findings, says(false, "10 of 10 colour images cannot be used; frame 0: rgb.png"));
+  EXPECT_TRUE(r.usable());
 }
 
 TEST(Findings, GapsDoubledStampsAndOddRates) {

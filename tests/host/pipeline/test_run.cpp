@@ -91,6 +91,30 @@ TEST_F(RunTest, StrideAndMaximumSelectFrames) {
   EXPECT_THAT(selectedFrames(2, {1, 5}), ::testing::ElementsAre(0, 1));
 }
 
+TEST_F(RunTest, TooFewPosesHaveNoAlignedErrors) {
+  const auto report = run(sequenceFolder(), folder_ / "out", {1, 2}).report;
+  EXPECT_EQ(report.at("common_poses"), 2);
+  for (const char* key : {"ate_rmse_m", "ate_mean_m", "rpe_frame_rmse_m", "rpe_second_rmse_deg"})
+    EXPECT_TRUE(report.at(key).is_null()) << key;
+  EXPECT_FALSE(report.at("te_rmse_m").is_null());
+}
+
+TEST(RunErrors, StampsAreTakenInTheSequencesUnit) {
+  RunSummary summary;
+  SequenceInfo info;
+  info.seconds_per_stamp = 1 / 30.0;
+  for (int i = 0; i < 60; ++i) {
+    RunFrame frame;
+    frame.result.timestamp = i;
+    frame.result.status = TrackingStatus::Tracked;
+    frame.result.world_from_camera = Pose::Identity();
+    frame.result.world_from_camera.translation().x() = 0.011 * i;
+    summary.frames.push_back(frame);
+    info.truth.push_back({double(i), Pose(Eigen::Translation3d(0.01 * i, 0, 0))});
+  }
+  EXPECT_NEAR(errorsOf(summary, info)->rpe_second_m.mean, 0.03, 1e-9);
+}
+
 TEST_F(RunTest, StoppedRunWritesWhatItHas) {
   const auto result = run(sequenceFolder(), folder_ / "out", {}, 3);
   EXPECT_EQ(result.summary.end, RunEnd::Interrupted);
@@ -114,8 +138,26 @@ TEST_F(RunTest, DamagedFramesAreSkippedAndCounted) {
 TEST_F(RunTest, OldResultsAreRemovedFirst) {
   fs::create_directories(folder_ / "out");
   for (const char* file : kOutputFiles) std::ofstream(folder_ / "out" / file) << "old";
+  std::ofstream(folder_ / "out" / "report.json") << R"({"sequence": {"path": "/data/other"}})";
   const OutputFolder out(folder_ / "out");
+  EXPECT_EQ(out.resultOf(), "/data/other");
+  for (const char* file : kOutputFiles)
+    EXPECT_TRUE(fs::exists(folder_ / "out" / file)) << file << " may go only when frames are about to come";
+  out.removeEarlier();
   for (const char* file : kOutputFiles) EXPECT_FALSE(fs::exists(folder_ / "out" / file)) << file;
+  EXPECT_EQ(out.resultOf(), "");
+}
+
+TEST_F(RunTest, AModelWithoutSurfaceStillGivesTheOtherFiles) {
+  const auto sequence = openSequence(sequenceFolder());
+  const OutputFolder folder(folder_ / "out");
+  Settings settings = quickSettings();
+  settings.mesh.min_component = 1000000000;
+  Pipeline pipeline(device(), settings, sequence->info().intrinsics, sequence->info().depth_units_per_metre);
+  SequenceSource source(*sequence, {});
+  folder.write(reconstruct(source, pipeline), sequence->info(), pipeline);
+  for (const char* file : kOutputFiles)
+    EXPECT_EQ(fs::exists(folder_ / "out" / file), std::string(file) != "mesh.ply") << file;
 }
 
 TEST_F(RunTest, UnusableOutputFolderIsNamedBeforeAnyWork) {

@@ -203,6 +203,15 @@ TEST_F(Folder, ThatIsNotEmptyIsRefusedAndOnlySequencesAreReplaced) {
   EXPECT_THAT(complaintFor(root_ / "papers" / "thesis.txt"), HasSubstr("is a file"));
 }
 
+TEST_F(Folder, WhatOnlyLooksLikeALeftoverIsKept) {
+  fs::create_directories(root_ / "out.part");
+  std::ofstream(root_ / "out.part" / "thesis.txt") << "x";
+  EXPECT_NE(complaintFor(root_ / "out").find("out.part"), std::string::npos);
+  EXPECT_THROW(writeTumSequence(root_ / "out", SynthPlan(smallOptions(1, 4)), false), InputError);
+  EXPECT_TRUE(fs::exists(root_ / "out.part" / "thesis.txt"));
+  EXPECT_NE(complaintFor(""), "");
+}
+
 TEST_F(Folder, LeavesNothingBehindWhenWritingFails) {
   const SynthPlan plan(smallOptions(4, 4));
   std::ofstream(root_ / "file") << "x";
