@@ -18,8 +18,7 @@ void IntegratePass::record(Recorder& recorder, const Volume& volume, const Prepr
   if (visible_.bytes() < bytes) visible_ = Buffer(device_, bytes * 3 / 2, Memory::Upload);
   std::memcpy(visible_.as<char>().data(), slots_.data(), bytes);
 
-  const std::uint32_t bindings =
-      device_.info().readsTexels() ? kIntegrateTexelBindings : kIntegrateBindings;
+  const std::uint32_t bindings = device_.info().readsTexels() ? kIntegrateTexelBindings : kIntegrateBindings;
   Kernel& kernel = kernels_[volume.chunks()];
   if (!kernel)
     kernel = Kernel(device_, readerCode(device_, "integrate"), bindings, sizeof(IntegrateParams),
