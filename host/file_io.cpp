@@ -48,8 +48,7 @@ void requireWritable(const fs::path& file) {
   makeParent(file);
   std::error_code error;
   if (fs::is_directory(file, error)) failToWrite(file, EISDIR);
-  const bool special = isSpecial(file);
-  if (special) return;
+  if (isSpecial(file)) return;
   const fs::path temporary = temporaryFor(file);
   std::FILE* out = std::fopen(temporary.c_str(), "wb");
   if (!out) failToWrite(file, errno);

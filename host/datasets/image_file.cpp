@@ -28,11 +28,12 @@ bool decode(const std::filesystem::path& file, int flags, cv::Mat& image, std::s
   // Not by iterators, which throw where the disk cannot be read; a folder opens like a file.
   std::ostringstream read;
   read << in.rdbuf();
-  const std::string bytes = std::move(read).str();
+  std::string bytes = std::move(read).str();
   if (bytes.empty()) {
-    problem = file.string() + (std::filesystem::is_regular_file(file) && std::filesystem::file_size(file) == 0
-                                   ? ": the file is empty; copy or download it again."
-                                   : ": cannot be read; copy or download it again.");
+    std::error_code error;
+    const bool is_empty = std::filesystem::file_size(file, error) == 0 && !error;
+    problem = file.string() + (is_empty ? ": the file is empty" : ": cannot be read") +
+              "; copy or download it again.";
     return false;
   }
   if (isTruncatedPng(bytes)) {
@@ -40,8 +41,7 @@ bool decode(const std::filesystem::path& file, int flags, cv::Mat& image, std::s
     return false;
   }
   try {
-    image = cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data())),
-                         flags);
+    image = cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data()), flags);
   } catch (const cv::Exception&) {
     image.release();
   }

@@ -55,9 +55,8 @@ void OutputFolder::write(const RunSummary& summary, const SequenceInfo& info, Pi
                   {static_cast<float>(mesh.min_weight), static_cast<std::size_t>(mesh.min_component)});
   if (surface.triangles.empty())
     spdlog::warn(
-        "mesh.ply is left out: the model has no surface to show; fuse more frames, or lower mesh.min_weight "
-        "or "
-        "mesh.min_component.");
+        "mesh.ply is left out, for the model has no surface to show; fuse more frames, or lower "
+        "mesh.min_weight or mesh.min_component.");
   else
     writePly(folder_ / "mesh.ply", surface);
   std::vector<std::uint8_t> png;
