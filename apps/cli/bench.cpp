@@ -11,6 +11,7 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/interrupt.h"
+#include "apps/cli/validators.h"
 #include "host/bench/network_bench.h"
 #include "host/bench/pass_bench.h"
 #include "host/bench/tracking_suite.h"

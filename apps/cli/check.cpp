@@ -8,6 +8,7 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/progress.h"
+#include "apps/cli/validators.h"
 #include "host/datasets/inspection.h"
 #include "host/error.h"
 

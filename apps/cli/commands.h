@@ -19,8 +19,6 @@ void addKeysCommand(CLI::App& app);
 
 /// Writes `json` (already dumped text) to `file`, or to standard output when file is "-". No-op when empty.
 void writeJson(const std::string& file, const std::string& json);
-/// Accepts finite numbers above 0.
-CLI::Validator positive();
 /// Before long work: throws InputError where writeJson would.
 void requireWritableJson(const std::string& file);
 

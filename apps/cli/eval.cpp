@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/validators.h"
 #include "host/datasets/sequence.h"
 #include "host/error.h"
 #include "host/evaluation/report_json.h"

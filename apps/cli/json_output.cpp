@@ -1,4 +1,3 @@
-#include <cmath>
 #include <iostream>
 
 #include "apps/cli/commands.h"
@@ -11,15 +10,6 @@ void writeJson(const std::string& file, const std::string& json) {
     std::cout << json << '\n';
   else if (!file.empty())
     writeFileAtomically(file, json + "\n");
-}
-
-CLI::Validator positive() {
-  return {[](std::string& text) {
-            double value = 0;
-            const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0;
-            return good ? std::string() : "'" + text + "' is not a number above 0";
-          },
-          "POSITIVE"};
 }
 
 void requireWritableJson(const std::string& file) {

@@ -103,8 +103,9 @@ void printSummary(std::FILE* to, const RunSummary& summary, const SequenceInfo& 
     spdlog::warn("Interrupted before anything was reconstructed; no files are written.");
     throw ExitCode(kExitInterrupted);
   }
-  const std::string first =
-      summary.frames.empty() ? "" : " (the first: " + summary.frames.front().result.reason + ")";
+  std::string first = summary.frames.empty() ? "" : summary.frames.front().result.reason;
+  if (first.ends_with('.')) first.pop_back();
+  if (!first.empty()) first = " (the first: " + first + ")";
   throw InputError(source + ": no frame could be used" + first +
                    ", so there is nothing to write; look at it with 'rosefusion check', and at depth.min, "
                    "depth.max and volume.voxel_size.");
@@ -169,7 +170,8 @@ void addRunCommand(CLI::App& app) {
       ->add_option("--silence-limit", o->source.stream.silence_limit,
                    "End a network stream that is silent for so many seconds; 0: wait for the sender")
       ->check(CLI::NonNegativeNumber);
-  command->add_option("--out", o->out, "Output folder (default: out/NAME)");
+  command->add_option("--out", o->out,
+                      "Output folder (default: out/NAME; out/NAME-run for a sequence that lies there)");
   command->add_option("--config", o->config, "Preset (default, paper) or YAML file")->capture_default_str();
   command->add_option("--set", o->assignments, "Change one setting: key=value; may be repeated")
       ->allow_extra_args(false);

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "apps/cli/interrupt.h"
+#include "apps/cli/validators.h"
 
 namespace rosefusion::cli {
 

@@ -64,11 +64,10 @@ RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_
     frame.index = read.index;
     frame.dropped = read.dropped;
     frame.skipped = !read.usable;
-    const bool without_colour = read.usable && !read.problem.empty();
     if (!read.usable)
       spdlog::warn("{}", read.problem);
-    else if (without_colour && colourless++ == 0)
-      spdlog::warn("{} The frame is taken by its depth alone, and so are more like it.", read.problem);
+    else if (!read.problem.empty() && colourless++ == 0)
+      spdlog::warn("{} The frame is taken by its depth alone; more of them are only counted.", read.problem);
     try {
       if (read.usable) {
         frame.result = pipeline.processFrame(read.frame);

@@ -12,6 +12,7 @@
 #include "engine/buffer.h"
 #include "rosefusion/vulkan.h"
 #include "tests/engine/validating_device.h"
+#include "tests/host/embedding/caller_handles.h"
 #include "tests/host/embedding/caller_shader.h"
 #include "tests/host/embedding/frames.h"
 
@@ -22,15 +23,6 @@ constexpr std::uint32_t kWidth = 80, kHeight = 60;
 constexpr std::uint32_t kLookup[] = {
 #include "lookup.inc"
 };
-
-VulkanHandles handlesOf(const Caller& caller) {
-  const CallerDevice h = caller.handles();
-  return {.get_instance_proc_addr = h.get_instance_proc_addr,
-          .instance = h.instance,
-          .physical_device = h.physical_device,
-          .device = h.device,
-          .queue = h.queue};
-}
 
 class EmbeddedVulkan : public ::testing::Test {
  protected:
@@ -357,46 +349,6 @@ TEST_F(EmbeddedVulkan, CallbacksAndPipelineCacheAreTheCallers) {
   EXPECT_TRUE(caller.works());
   caller.command<PFN_vkDestroyPipelineCache>("vkDestroyPipelineCache")(caller.device, h.pipeline_cache,
                                                                        nullptr);
-}
-
-// A device with fewer storage buffers for a shader than the volume needs.
-struct Poor {
-  static inline PFN_vkGetInstanceProcAddr get;
-  static inline PFN_vkGetPhysicalDeviceProperties properties;
-  static void VKAPI_CALL poorProperties(VkPhysicalDevice physical, VkPhysicalDeviceProperties* out) {
-    properties(physical, out);
-    out->limits.maxPerStageDescriptorStorageBuffers = 16;
-  }
-  static PFN_vkVoidFunction VKAPI_CALL proc(VkInstance instance, const char* name) {
-    const PFN_vkVoidFunction real = get(instance, name);
-    if (std::strcmp(name, "vkGetPhysicalDeviceProperties") != 0) return real;
-    properties = reinterpret_cast<PFN_vkGetPhysicalDeviceProperties>(real);
-    return reinterpret_cast<PFN_vkVoidFunction>(&poorProperties);
-  }
-};
-
-TEST_F(EmbeddedVulkan, WhatTheDeviceLacksIsNamedBeforeAnyWork) {
-  VulkanHandles h = handles();
-  Poor::get = std::exchange(h.get_instance_proc_addr, Poor::proc);
-  h.allocator = &caller.callbacks();
-  try {
-    Reconstructor(publicCamera(), h, quickOptions());
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), Error::Kind::MissingLimit);
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("maxPerStageDescriptorStorageBuffers is 16"));
-  }
-  EXPECT_EQ(caller.allocations(), 0);
-}
-
-TEST_F(EmbeddedVulkan, RequirementsAreToldBeforeThereIsADevice) {
-  EXPECT_EQ(vulkanRequirements().api_version, VK_API_VERSION_1_1);
-  VulkanHandles undecided = handles();
-  undecided.device = VK_NULL_HANDLE;
-  undecided.queue = VK_NULL_HANDLE;
-  EXPECT_THAT(missingFor(undecided), ::testing::IsEmpty());
-  undecided.queue_family = 99;
-  EXPECT_THAT(missingFor(undecided), ::testing::ElementsAre(::testing::HasSubstr("queue family 99")));
 }
 
 }  // namespace
