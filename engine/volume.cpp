@@ -42,6 +42,14 @@ std::uint64_t entriesOf(glm::ivec3 size) {
   return std::uint64_t(size.x) * size.y * size.z;
 }
 
+/// Where a voxel that is number `i` with x fastest lies in its pool: by cubes of 2^3 (see
+/// interface/volume.h).
+std::size_t storedIndex(std::size_t i) {
+  const std::size_t x = i % 8, y = i / 8 % 8, z = i / 64 % 8, block = i / kBlockVoxels;
+  const std::size_t cube = (z / 2 * 4 + y / 2) * 4 + x / 2, corner = (z % 2 * 2 + y % 2) * 2 + x % 2;
+  return block * kBlockVoxels + cube * 8 + corner;
+}
+
 }  // namespace
 
 Volume::Volume(Device& device, const VolumeOptions& options) : device_(device), recorder_(device) {
@@ -276,12 +284,14 @@ VolumeContents Volume::download() {
     const auto t = tsdf.as<std::int16_t>();
     const auto w = weight.as<std::uint16_t>();
     for (std::size_t i = 0; i < voxels; ++i) {
-      out.tsdf[first_voxel + i] = std::max(-1.0f, t[i] / 32767.0f);
-      out.weight[first_voxel + i] = w[i] / kWeightOne;
+      const std::size_t stored = storedIndex(i);
+      out.tsdf[first_voxel + i] = std::max(-1.0f, t[stored] / 32767.0f);
+      out.weight[first_voxel + i] = w[stored] / kWeightOne;
     }
     if (!options_.colour) continue;
     const Buffer colour = fetch(2);
-    std::memcpy(&out.colour[first_voxel], colour.as<char>().data(), 4 * voxels);
+    const auto c = colour.as<std::uint32_t>();
+    for (std::size_t i = 0; i < voxels; ++i) out.colour[first_voxel + i] = c[storedIndex(i)];
   }
   return out;
 }

@@ -7,6 +7,7 @@
 #define VOLUME_TABLE kExtractCountBindTable
 #define VOLUME_TSDF kExtractCountBindTsdf
 #define VOLUME_WEIGHT kExtractCountBindWeight
+#define EXTRACT_CASES kExtractCountBindCases
 #define EXTRACT_BEFORE 0
 #define EXTRACT_SIDE 9
 #include "shaders/compute/lib/parameters.glsl"
@@ -16,32 +17,20 @@
 layout(local_size_x = kExtractGroup) in;
 PUSHED_PARAMETERS(ExtractCountParams)
 BLOCKS(kExtractCountBindBlocks)
-READ_WORDS(caseWord, kExtractCountBindCases)
 layout(std430, binding = kExtractCountBindCounts) writeonly restrict buffer Counts { ExtractCount counts[]; };
 
-shared uint s_vertices[kExtractGroup];
-shared uint s_triangles[kExtractGroup];
+shared uint s_vertices, s_triangles;
 
 void main() {
   uint item = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
   if (item >= params.blocks) return;
   uint lane = gl_LocalInvocationID.x;
+  if (lane == 0u) s_vertices = s_triangles = 0u;
   loadSurroundings(blockAt(params.first_slot + item), lane, params.min_weight);
-  uint vertices = 0u, triangles = 0u;
-  for (int x = 0; x < kBlockSide; ++x) {
-    ivec3 voxel = rowStart(lane) + ivec3(x, 0, 0);
-    float value = valueAt(voxel);
-    for (int axis = 0; axis < 3; ++axis) vertices += uint(crosses(value, valueAt(voxel + axisStep(axis))));
-    triangles += caseWord(caseAt(voxel) * kCaseWords);
-  }
-  s_vertices[lane] = vertices;
-  s_triangles[lane] = triangles;
+  Rows rows = rowsOf(lane);
+  ivec3 crossed = bitCount(crossedEdges(rows));
+  atomicAdd(s_vertices, uint(crossed.x + crossed.y + crossed.z));
+  atomicAdd(s_triangles, trianglesOf(rows, crossedCells(rows)));
   barrier();
-  if (lane != 0u) return;
-  ExtractCount total = ExtractCount(0u, 0u);
-  for (uint i = 0u; i < kExtractGroup; ++i) {
-    total.vertices += s_vertices[i];
-    total.triangles += s_triangles[i];
-  }
-  counts[item] = total;
+  if (lane == 0u) counts[item] = ExtractCount(s_vertices, s_triangles);
 }

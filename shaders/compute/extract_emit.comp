@@ -9,6 +9,7 @@
 #define VOLUME_TSDF kExtractEmitBindTsdf
 #define VOLUME_WEIGHT kExtractEmitBindWeight
 #define VOLUME_COLOUR kExtractEmitBindColour
+#define EXTRACT_CASES kExtractEmitBindCases
 #define EXTRACT_BEFORE 1
 #define EXTRACT_SIDE 11
 #include "shaders/compute/lib/parameters.glsl"
@@ -18,7 +19,6 @@
 layout(local_size_x = kExtractGroup) in;
 PUSHED_PARAMETERS(ExtractEmitParams)
 BLOCKS(kExtractEmitBindBlocks)
-READ_WORDS(caseWord, kExtractEmitBindCases)
 #ifdef READ_TEXELS
 READ_WORDS(listedWord, kExtractEmitBindListed)
 ExtractBlock listedAt(uint i) {
@@ -35,8 +35,8 @@ layout(std430, binding = kExtractEmitBindTriangles) writeonly restrict buffer Tr
 // and viewers that merge equal points would turn into holes.
 const float kEdgeMargin = 1e-3;
 
-shared uint s_vertices[kExtractGroup];
-shared uint s_triangles[kExtractGroup];
+const uint kTriangleUnit = 1u << 16;  // beside the vertices, of which a block has at most kBlockEdges
+shared uint s_counts[kExtractGroup];
 
 // Slope of the TSDF at a voxel, one-sided beside unobserved voxels.
 float slopeAt(ivec3 voxel, float value, ivec3 along) {
@@ -63,6 +63,12 @@ uint mixedColour(uint a, uint b, float share) {
   return packUnorm4x8(vec4(mixed, 1.0));
 }
 
+// A voxel's place in its block in the order in which they are written here, x fastest.
+uint orderOf(ivec3 voxel) {
+  ivec3 v = voxel & 7;
+  return uint((v.z * kBlockSide + v.y) * kBlockSide + v.x);
+}
+
 ExtractVertex vertexOn(ivec3 block, ivec3 voxel, int axis) {
   ivec3 next = voxel + axisStep(axis);
   float a = valueAt(voxel), b = valueAt(next);
@@ -71,7 +77,7 @@ ExtractVertex vertexOn(ivec3 block, ivec3 voxel, int axis) {
   vec3 gradient = mix(gradientAt(voxel), gradientAt(next), share);
   vec3 normal = gradient / max(length(gradient), 1e-12);
   uint colour = params.colour != 0u ? mixedColour(colourAt(voxel), colourAt(next), share) : 0u;
-  return ExtractVertex(position.x, position.y, position.z, 3u * localIndex(voxel) + uint(axis), normal.x, normal.y, normal.z,
+  return ExtractVertex(position.x, position.y, position.z, 3u * orderOf(voxel) + uint(axis), normal.x, normal.y, normal.z,
                        colour);
 }
 
@@ -79,7 +85,7 @@ ExtractVertex vertexOn(ivec3 block, ivec3 voxel, int axis) {
 uint edgeNumber(ivec3 cell, uint edge) {
   uint axis = edge >> 2, start = (edge & 1u) << (axis + 1u) % 3u | (edge >> 1 & 1u) << (axis + 2u) % 3u;
   ivec3 voxel = cell + (ivec3(start) >> ivec3(0, 1, 2) & 1);
-  return slotBeside(voxel >> 3) * kBlockEdges + 3u * localIndex(voxel) + axis;
+  return slotBeside(voxel >> 3) * kBlockEdges + 3u * orderOf(voxel) + axis;
 }
 
 void main() {
@@ -90,31 +96,35 @@ void main() {
   uint lane = gl_LocalInvocationID.x;
   loadSurroundings(coordinate, lane, params.min_weight);
 
-  uint crossings = 0u, faces = 0u;
-  for (int x = 0; x < kBlockSide; ++x) {
-    ivec3 voxel = rowStart(lane) + ivec3(x, 0, 0);
-    float value = valueAt(voxel);
-    for (int axis = 0; axis < 3; ++axis) crossings += uint(crosses(value, valueAt(voxel + axisStep(axis))));
-    faces += caseWord(caseAt(voxel) * kCaseWords);
+  Rows rows = rowsOf(lane);
+  uvec3 crossed = crossedEdges(rows);
+  uint edges = 0u;  // in ascending order, as bits
+  [[unroll]] for (uint x = 0u; x < uint(kBlockSide); ++x) {
+    uvec3 bits = crossed >> x & 1u;
+    edges |= (bits.x | bits.y << 1 | bits.z << 2) << (3u * x);
   }
-  s_vertices[lane] = crossings;
-  s_triangles[lane] = faces;
+  uint cells = crossedCells(rows);
+  s_counts[lane] = uint(bitCount(edges)) + kTriangleUnit * trianglesOf(rows, cells);
   barrier();
-  uint vertex = block.first_vertex, triangle = block.first_triangle;
-  for (uint i = 0u; i < lane; ++i) {
-    vertex += s_vertices[i];
-    triangle += s_triangles[i];
-  }
+  uint before = 0u;
+  for (uint i = 0u; i < lane; ++i) before += s_counts[i];
+  uint vertex = block.first_vertex + before % kTriangleUnit, triangle = block.first_triangle + before / kTriangleUnit;
 
-  for (int x = 0; x < kBlockSide; ++x) {
-    ivec3 voxel = rowStart(lane) + ivec3(x, 0, 0);
-    float value = valueAt(voxel);
-    for (int axis = 0; axis < 3; ++axis)
-      if (crosses(value, valueAt(voxel + axisStep(axis)))) vertices[vertex++] = vertexOn(coordinate, voxel, axis);
-    uint row = caseAt(voxel) * kCaseWords;
-    uint count = caseWord(row);
-    for (uint i = 1u; i <= count; ++i, ++triangle)
+  ivec3 start = rowStart(lane);
+  // These test at their ends for the reason that raycast.comp names.
+  if (edges != 0u) do {
+    int edge = findLSB(edges);
+    vertices[vertex++] = vertexOn(coordinate, start + ivec3(edge / 3, 0, 0), edge % 3);
+    edges &= edges - 1u;
+  } while (edges != 0u);
+  if (cells != 0u) do {
+    uint x = uint(findLSB(cells)), row = caseOf(rows, x) * kCaseWords, count = caseWord(row), i = 1u;
+    do {
+      uint word = caseWord(row + i);
       for (uint corner = 0u; corner < 3u; ++corner)
-        triangles[3u * triangle + corner] = edgeNumber(voxel, caseWord(row + i) >> (4u * corner) & 15u);
-  }
+        triangles[3u * triangle + corner] = edgeNumber(start + ivec3(x, 0, 0), word >> (4u * corner) & 15u);
+      ++triangle;
+    } while (++i <= count);
+    cells &= cells - 1u;
+  } while (cells != 0u);
 }

@@ -43,7 +43,8 @@ void main() {
 
   uint cells = uint(model.grid.z * model.grid.w), each = (cells + params.parts - 1u) / params.parts;
   uint begin = each * part, end = min(begin + each, cells);
-  for (uint cell = begin + lane; cell < end; cell += kIcpGroup) {
+  uint cell = begin + lane;
+  if (cell < end) do {
     ivec2 at = ivec2(cell % uint(model.grid.z), cell / uint(model.grid.z)) * model.grid.x + model.grid.y;
     vec4 p = pointAt(at);
     if (p.w == 0.0) continue;
@@ -70,7 +71,7 @@ void main() {
     }
     add(sum[kIcpSquares], residual * residual);
     add(sum[kIcpPairs], 1.0);
-  }
+  } while ((cell += kIcpGroup) < end);
 
   [[unroll]] for (uint k = 0u; k < kIcpSums; ++k) s_sums[k * kIcpGroup + lane] = sum[k].sum - sum[k].lost;
   barrier();

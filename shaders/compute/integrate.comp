@@ -93,14 +93,15 @@ void main() {
   float voxel_size = volume.scale.x;
   vec3 p = (params.camera_from_world * vec4((vec3(voxel) + 0.5) * voxel_size, 1.0)).xyz;
   vec3 step_x = params.camera_from_world[0].xyz * voxel_size;
-  uint first_word = slotInChunk(slot) * kBlockTsdfWords + row * 4u;
-  uint first_colour = slotInChunk(slot) * kBlockColourWords + row * 8u;
+  uint first = localIndex(voxel);
+  uint first_word = slotInChunk(slot) * kBlockTsdfWords + first / 2u;
+  uint first_colour = slotInChunk(slot) * kBlockColourWords + first;
 
-  for (uint pair = 0u; pair < 4u; ++pair) {
+  uint pair = 0u;
+  do {
     Sight a = sightOf(p + float(2u * pair) * step_x), b = sightOf(p + float(2u * pair + 1u) * step_x);
-    // A loop and not an `if`: where no invocation of a vector has a word to change, a CPU skips it.
-    for (bool told = a.told || b.told; told; told = false) {
-      uint word = first_word + pair, colour = first_colour + 2u * pair;
+    if (a.told || b.told) {
+      uint word = first_word + 4u * pair, colour = first_colour + 8u * pair;
       uint t = tsdfWord(chunk, word), w = weightWord(chunk, word);
       vec2 tsdf = vec2(tsdfOf(t << 16), tsdfOf(t));
       vec2 weight = vec2(w & 0xFFFFu, w >> 16) * (1.0 / kWeightOne);
@@ -110,5 +111,5 @@ void main() {
       uvec2 units = uvec2(weight * kWeightOne + 0.5);
       setweightWord(chunk, word, units.x | (units.y << 16));
     }
-  }
+  } while (++pair < 4u);
 }

@@ -8,6 +8,7 @@
 #define VOLUME_UNIFORM_LAYOUT kRaycastBindLayout
 #define VOLUME_TABLE kRaycastBindTable
 #define VOLUME_TSDF kRaycastBindTsdf
+#define VOLUME_TSDF_QUADS
 #define VOLUME_WEIGHT kRaycastBindWeight
 #define VOLUME_COLOUR kRaycastBindColour
 #include "shaders/compute/lib/parameters.glsl"
@@ -24,6 +25,8 @@ READ_WORDS(tileWord, kRaycastBindTiles)
 READ_WORDS(solidEntry, kRaycastBindSolid)
 layout(std430, binding = kRaycastBindDepth) writeonly restrict buffer Depth { float depth[]; };
 
+// Loops test at their end. llvmpipe knows no branch but a loop's back to its begin: with the test at the head it runs
+// the body once more, all lanes masked, and what stands behind an `if` it always runs.
 const float kStepShare = 0.8;   // of the stored distance, which a slanted view makes too long
 // Voxels. With one more at both ends, their cells and the normal's neighbours the voxels read then lie at most 8 apart:
 // in one patch of blocks.
@@ -67,11 +70,11 @@ bool wellObserved(Cell cell) {
   vec4 most = max(cell.low, cell.high);
   bool suspect = max(max(most.x, most.y), max(most.z, most.w)) >= 1.0;
   bool observed = true;
-  // A loop and not an `if`: where no ray of a vector needs it, it is skipped.
-  for (int corner = 0; suspect && corner < 8; ++corner) {
+  int corner = 0;
+  if (suspect) do {
     ivec3 voxel = cell.voxel + (ivec3(corner) >> ivec3(0, 1, 2) & 1);
     observed = observed && weightInBlock(slotAt(voxel >> 3), localIndex(voxel)) > 0.0;
-  }
+  } while (++corner < 8);
   return observed;
 }
 
@@ -80,56 +83,80 @@ struct Hit {
   vec3 gradient;
 };
 
+// Samples along a ray, one at a time.
+struct Walk {
+  float t, value;  // of the last sample
+  bool front;      // the sample before it, at front_t, was positive
+  float front_t;
+};
+
+// Goes on from walk.t to the first sample behind a surface; false: none before `end`.
+bool crosses(Ray ray, float end, float band, inout Walk walk) {
+  bool found;
+  do {
+    ivec3 voxel = ivec3(at(ray, walk.t));
+    ivec3 entry = voxel >> 3;
+    uint slot = solidAt(clampToTable(entry));
+    walk.value = tsdfInBlock(slot, localIndex(voxel));
+    found = walk.value < 0.0 && walk.front && walk.t < end;
+    if (found) break;
+    float leave = blockExit(ray, entry);
+    walk.front = walk.value >= 0.0;
+    walk.front_t = slot == 0u ? leave - kBeforeExit : walk.t;
+    float step = clamp(abs(walk.value) * band * kStepShare, 1.0, kLongestStep);
+    float past = max(kPastExit, kPastShare * walk.t);
+    walk.t = slot == 0u ? max(leave, walk.t) + past : walk.t + step;
+  } while (walk.t < end);
+  return found;
+}
+
+// The surface between the walk's last two samples; none where a voxel there was never observed, or the ray passes by.
+// `observed`: its voxels were.
+Hit surfaceBetween(Ray ray, float band, Walk walk, out bool observed) {
+  float front_t = max(walk.front_t, walk.t - kLongestStep);  // farther after a candidate that was none
+  ivec3 voxel = ivec3(at(ray, front_t));
+  uint slot = slotAt(voxel >> 3);
+  float front_value = tsdfInBlock(slot, localIndex(voxel));
+  observed = front_value < 1.0 || weightInBlock(slot, localIndex(voxel)) > 0.0;
+  // Newton's method from where a straight line through the two samples is zero, kept between their ends, until the
+  // rest is small; the last step takes its value from the same 27 voxels as the normal.
+  float ahead = front_t - 1.0, behind = walk.t + 1.0;
+  vec3 one_end = at(ray, ahead), other_end = at(ray, behind);
+  Patch slots = patchOf(ivec3(min(one_end, other_end)) - 1, ivec3(max(one_end, other_end)) + 1);
+  float guess = mix(front_t, walk.t, front_value > 0.0 ? front_value / (front_value - walk.value) : 0.5);
+  Cell cell;
+  bool near_enough;
+  int steps = 0;
+  do {
+    cell = cellIn(slots, at(ray, guess));
+    vec4 field = trilinear(cell);
+    near_enough = abs(field.w) * band < kConverged;
+    if (field.w > 0.0) ahead = guess;
+    else behind = guess;
+    float next = guess - field.w / min(dot(field.xyz, ray.direction), kLeastSlope);
+    guess = next >= ahead && next <= behind ? next : 0.5 * (ahead + behind);
+  } while (!near_enough && ++steps < kMaxSteps);
+  Neighbourhood near = neighbourhoodIn(slots, at(ray, guess));
+  float correction = near.value / min(dot(near.gradient, ray.direction), kLeastSlope);
+  observed = observed && wellObserved(cell);
+  return Hit(observed && abs(near.value) * band < kMaxResidual ? guess - clamp(correction, -0.5, 0.5) : -1.0, near.gradient);
+}
+
 // First hit in [begin, end].
 Hit firstHit(Ray ray, float begin, float end) {
   float band = volume.scale.z * volume.scale.y;  // truncation in voxels
+  Walk walk = Walk(begin, 1.0, false, begin);
   Hit hit = Hit(-1.0, vec3(0.0));
-  float t = begin, front_t = begin;
-  bool front = false;  // the last sample, at front_t, was positive
-  for (int candidate = 0; candidate < kMaxCandidates && hit.t < 0.0 && t < end; ++candidate) {
-    float value = 1.0;
-    while (t < end) {
-      ivec3 voxel = ivec3(at(ray, t));
-      ivec3 entry = voxel >> 3;
-      uint slot = solidAt(clampToTable(entry));
-      value = tsdfInBlock(slot, localIndex(voxel));
-      if (value < 0.0 && front) break;
-      float leave = blockExit(ray, entry);
-      front = value >= 0.0;
-      front_t = slot == 0u ? leave - kBeforeExit : t;
-      float step = clamp(abs(value) * band * kStepShare, 1.0, kLongestStep);
-      float past = max(kPastExit, kPastShare * t);
-      t = slot == 0u ? max(leave, t) + past : t + step;
-    }
-    if (t >= end) break;
-    front_t = max(front_t, t - kLongestStep);  // farther after a candidate that was none
-    ivec3 voxel = ivec3(at(ray, front_t));
-    uint slot = slotAt(voxel >> 3);
-    float front_value = tsdfInBlock(slot, localIndex(voxel));
-    bool observed = front_value < 1.0 || weightInBlock(slot, localIndex(voxel)) > 0.0;
-    // Newton's method from where a straight line through the two samples is zero, kept between their ends, until the
-    // rest is small; the last step takes its value from the same 27 voxels as the normal.
-    float ahead = front_t - 1.0, behind = t + 1.0;
-    vec3 one_end = at(ray, ahead), other_end = at(ray, behind);
-    Patch slots = patchOf(ivec3(min(one_end, other_end)) - 1, ivec3(max(one_end, other_end)) + 1);
-    float guess = mix(front_t, t, front_value > 0.0 ? front_value / (front_value - value) : 0.5);
-    Cell cell;
-    bool near_enough = false;
-    for (int i = 0; i < kMaxSteps && !near_enough; ++i) {
-      cell = cellIn(slots, at(ray, guess));
-      vec4 field = trilinear(cell);
-      near_enough = abs(field.w) * band < kConverged;
-      if (field.w > 0.0) ahead = guess;
-      else behind = guess;
-      float next = guess - field.w / min(dot(field.xyz, ray.direction), kLeastSlope);
-      guess = next >= ahead && next <= behind ? next : 0.5 * (ahead + behind);
-    }
-    Neighbourhood near = neighbourhoodIn(slots, at(ray, guess));
-    float correction = near.value / min(dot(near.gradient, ray.direction), kLeastSlope);
-    if (!observed || !wellObserved(cell)) front = false;
-    else if (abs(near.value) * band < kMaxResidual) hit = Hit(guess - clamp(correction, -0.5, 0.5), near.gradient);
-    t += 1.0;
-  }
+  int candidates = 0;
+  bool found;
+  do {
+    found = crosses(ray, end, band, walk);
+    if (!found) break;
+    bool observed;
+    hit = surfaceBetween(ray, band, walk, observed);
+    walk.front = observed;
+    walk.t += 1.0;
+  } while (hit.t < 0.0 && walk.t < end && ++candidates < kMaxCandidates);
   return hit;
 }
 
@@ -137,8 +164,8 @@ Hit firstHit(Ray ray, float begin, float end) {
 vec3 colourAt(vec3 position) {
   vec3 corner = floor(position - 0.5), fraction = position - 0.5 - corner, sum = vec3(0.0);
   float total = 0.0;
-  int corners = (params.size.z & kRaycastColoured) != 0 ? 8 : 0;
-  for (int i = 0; i < corners; ++i) {
+  int i = 0;
+  if ((params.size.z & kRaycastColoured) != 0) do {
     ivec3 offset = ivec3(i) >> ivec3(0, 1, 2) & 1, voxel = ivec3(corner) + offset;
     uint slot = slotAt(voxel >> 3);
     uint word = colourWord(chunkOf(slot), slotInChunk(slot) * kBlockColourWords + localIndex(voxel));
@@ -146,7 +173,7 @@ vec3 colourAt(vec3 position) {
     float weight = word >> 24 > 0u ? share.x * share.y * share.z : 0.0;
     sum += weight * unpackUnorm4x8(word).xyz;
     total += weight;
-  }
+  } while (++i < 8);
   return total > 0.0 ? sum / total : kClay;
 }
 
@@ -181,7 +208,5 @@ void main() {
   surface[2u * index] = packedDirection(normal);
   surface[2u * index + 1u] = floatBitsToUint(z);
   preview[index] = packUnorm4x8(shaded);
-  // A loop and not an `if`: see wellObserved().
-  int depths_wanted = (params.size.z & kRaycastDepth) != 0 ? 1 : 0;
-  for (int i = 0; i < depths_wanted; ++i) depth[index] = value;
+  if ((params.size.z & kRaycastDepth) != 0) depth[index] = value;
 }

@@ -7,6 +7,7 @@
 
 #define VOLUME_UNIFORM_LAYOUT kRaycastRangeBindLayout
 #define VOLUME_TSDF kRaycastRangeBindTsdf
+#define VOLUME_TSDF_QUADS
 #include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/volume.glsl"
 
@@ -17,12 +18,15 @@ layout(std430, binding = kRaycastRangeBindTiles) restrict buffer Tiles { Raycast
 layout(std430, binding = kRaycastRangeBindSolid) writeonly restrict buffer Solid { uint solid[]; };
 
 bool isSolid(uint slot) {
-  const uint kStride = 8u;  // words looked at before the next test for an end
+  const uint kStride = 4u;  // cubes looked at before the next test for an end
   const uint kSigns = 0x80008000u;
-  uint bits = 0u;
-  for (uint word = 0u; word < kBlockTsdfWords && (bits & kSigns) == 0u; word += kStride)
-    for (uint i = 0u; i < kStride; ++i) bits |= tsdfWordInBlock(slot, word + i);
-  return (bits & kSigns) != 0u;
+  uvec4 bits = uvec4(0u);
+  bool solid = false;
+  for (uint cube = 0u; cube < kBlockVoxels / 8u && !solid; cube += kStride) {
+    for (uint i = 0u; i < kStride; ++i) bits |= tsdfCube(slot, cube + i);
+    solid = ((bits.x | bits.y | bits.z | bits.w) & kSigns) != 0u;
+  }
+  return solid;
 }
 
 void main() {
@@ -39,14 +43,18 @@ void main() {
   if (farthest < params.near || nearest > params.far) return;
 
   ivec2 low = ivec2(0), high = params.size.xy - 1;
+  vec2 least = vec2(1e30), most = vec2(-1e30), size = vec2(params.size.xy) * float(kRaycastTile);
+  bvec2 before = bvec2(true), beyond = bvec2(true);
+  for (int i = 0; i < 8; ++i) {
+    vec3 p = corner + mat3(params.camera_from_world) * (vec3(ivec3(i) >> ivec3(0, 1, 2) & 1) * side);
+    vec2 scaled = params.focal_centre.xy * p.xy + params.focal_centre.zw * p.z;  // the pixel times the depth
+    before = bvec2(uvec2(before) & uvec2(lessThan(scaled, vec2(-p.z))));
+    beyond = bvec2(uvec2(beyond) & uvec2(greaterThan(scaled, size * p.z)));
+    least = min(least, scaled / p.z);
+    most = max(most, scaled / p.z);
+  }
+  if (any(before) || any(beyond)) return;
   if (nearest > params.near) {  // else the projection has no bounds: all tiles
-    vec2 least = vec2(1e30), most = vec2(-1e30);
-    for (int i = 0; i < 8; ++i) {
-      vec3 p = corner + mat3(params.camera_from_world) * (vec3(ivec3(i) >> ivec3(0, 1, 2) & 1) * side);
-      vec2 uv = params.focal_centre.xy * p.xy / p.z + params.focal_centre.zw;
-      least = min(least, uv);
-      most = max(most, uv);
-    }
     // Clamped as floats: a coordinate far outside would overflow an integer.
     vec2 end = vec2(params.size.xy);
     low = ivec2(clamp(floor(least / float(kRaycastTile)), vec2(0.0), end));

@@ -8,6 +8,7 @@
 #define VOLUME_UNIFORM_LAYOUT kRefineBindLayout
 #define VOLUME_TABLE kRefineBindTable
 #define VOLUME_TSDF kRefineBindTsdf
+#define VOLUME_TSDF_QUADS
 #define VOLUME_WEIGHT kRefineBindWeight
 #include "shaders/compute/lib/compensated_sum.glsl"
 #include "shaders/compute/lib/depth_noise.glsl"
@@ -64,7 +65,8 @@ void main() {
 
   uint total = count[0];
   uint begin = total * part / params.parts, end = total * (part + 1u) / params.parts;
-  for (uint i = begin + lane; i < end; i += kRefineGroup) {
+  uint i = begin + lane;
+  if (i < end) do {
     vec3 p = pointAt(i).xyz;
     vec3 arm = turn * p;
     float noise = depthNoise(params.noise_floor, params.noise_growth, p.z);
@@ -101,7 +103,7 @@ void main() {
         if (column >= row) add(sum[kRefineHessian + upperEntry(row, column, 6u)], scaled * jacobian[column]);
       add(sum[kRefineGradient + row], scaled * residual);
     }
-  }
+  } while ((i += kRefineGroup) < end);
 
   [[unroll]] for (uint k = 0u; k < kRefineSums; ++k) s_sums[k * kRefineGroup + lane] = sum[k].sum - sum[k].lost;
   barrier();

@@ -8,6 +8,7 @@
 #define VOLUME_UNIFORM_LAYOUT kRefineColourBindLayout
 #define VOLUME_TABLE kRefineColourBindTable
 #define VOLUME_COLOUR kRefineColourBindColour
+#define VOLUME_COLOUR_QUADS
 #include "shaders/compute/lib/compensated_sum.glsl"
 #include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/upper_triangle.glsl"
@@ -53,7 +54,8 @@ void main() {
 
   uint total = count[0];
   uint begin = total * part / params.parts, end = total * (part + 1u) / params.parts;
-  for (uint i = begin + lane; i < end; i += kRefineColourGroup) {
+  uint i = begin + lane;
+  if (i < end) do {
     vec3 p = pointAt(i).xyz;
     vec3 arm = turn * p;
     // Outside the table the border blocks are read, which have no colour.
@@ -74,7 +76,7 @@ void main() {
     }
     add(sum[kRefineColourCost], size <= params.huber ? 0.5 * size * size : params.huber * (size - 0.5 * params.huber));
     add(sum[kRefineColourPoints], 1.0);
-  }
+  } while ((i += kRefineColourGroup) < end);
 
   [[unroll]] for (uint k = 0u; k < kRefineColourSums; ++k) s_sums[k * kRefineColourGroup + lane] = sum[k].sum - sum[k].lost;
   barrier();

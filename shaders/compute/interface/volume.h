@@ -3,8 +3,9 @@
 // over the bounding box of what was seen. Slot 0 is a block that stays unobserved: absent space reads from
 // it, so a lookup has no branch. The table has a border of absent entries, so coordinates are clamped instead
 // of tested. A voxel is a 16-bit signed normalised TSDF value (truncation = 1; unobserved = +1), a 16-bit
-// weight in units of 1/kWeightOne and, optionally, a colour (8-bit RGB; the top byte is its own weight). x
-// runs fastest.
+// weight in units of 1/kWeightOne and, optionally, a colour (8-bit RGB; the top byte is its own weight).
+// Within a block the voxels lie by cubes of 2^3, x fastest, then y, and within a cube so again: the 8 voxels
+// of a cube are then one vector of four words, and what lies around any position is 8 such vectors.
 #ifndef ROSEFUSION_INTERFACE_VOLUME_H
 #define ROSEFUSION_INTERFACE_VOLUME_H
 #include "shaders/compute/interface/types.h"

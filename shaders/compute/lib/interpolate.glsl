@@ -21,6 +21,12 @@ Patch patchOf(ivec3 low, ivec3 high) {
                uvec4(tableEntry(h.x), tableEntry(h.y), tableEntry(h.z), tableEntry(h.w)), a);
 }
 
+// Slots of what lies at (l, l), (h, l), (l, h), (h, h) of a layer; true: in the second block along that axis.
+uvec4 slotsWithin(uvec4 layer, bvec2 l, bvec2 h) {
+  uvec2 first = l.y ? layer.zw : layer.xy, second = h.y ? layer.zw : layer.xy;
+  return uvec4(l.x ? first.y : first.x, h.x ? first.y : first.x, l.x ? second.y : second.x, h.x ? second.y : second.x);
+}
+
 #ifdef VOLUME_TSDF
 // Values of the 8 voxels around a position.
 struct Cell {
@@ -30,11 +36,28 @@ struct Cell {
   ivec3 voxel;
 };
 
-// Slots of the voxels (l, l), (h, l), (l, h), (h, h) of a layer; true: in the second block along that axis.
-uvec4 slotsWithin(uvec4 layer, bvec3 l, bvec3 h) {
-  uvec2 first = l.y ? layer.zw : layer.xy, second = h.y ? layer.zw : layer.xy;
-  return uvec4(l.x ? first.y : first.x, h.x ? first.y : first.x, l.x ? second.y : second.x, h.x ? second.y : second.x);
+// 4 x 4 x 4 voxels: 2 x 2 x 2 cubes of 2 x 2 x 2, x fastest.
+struct Window { uvec4 cubes[8]; };
+
+// The window whose first cube that is, counted from the table's corner. A cube beyond the patch is read from within.
+Window windowIn(Patch slots, ivec3 first) {
+  ivec3 next = first + 1;
+  bvec3 l = notEqual(first >> 2, slots.block), h = notEqual(next >> 2, slots.block);
+  uvec4 low = slotsWithin(l.z ? slots.slots_high : slots.slots_low, l.xy, h.xy);
+  uvec4 high = slotsWithin(h.z ? slots.slots_high : slots.slots_low, l.xy, h.xy);
+  uvec3 a = uvec3(first & 3) << uvec3(0, 2, 4), b = uvec3(next & 3) << uvec3(0, 2, 4);
+  uvec4 columns = uvec4(a.y + a.x, a.y + b.x, b.y + a.x, b.y + b.x);
+  return Window(uvec4[8](tsdfCube(low.x, columns.x + a.z), tsdfCube(low.y, columns.y + a.z), tsdfCube(low.z, columns.z + a.z),
+                         tsdfCube(low.w, columns.w + a.z), tsdfCube(high.x, columns.x + b.z), tsdfCube(high.y, columns.y + b.z),
+                         tsdfCube(high.z, columns.z + b.z), tsdfCube(high.w, columns.w + b.z)));
 }
+
+// Words of the window's layer k: rows 0 to 3 along y, of its first or second pair of voxels along x.
+uvec4 layerOf(Window window, int k, int second) {
+  int i = 4 * (k >> 1) + second;
+  return (k & 1) == 0 ? uvec4(window.cubes[i].xy, window.cubes[i + 2].xy) : uvec4(window.cubes[i].zw, window.cubes[i + 2].zw);
+}
+uvec4 layerOf(Window window, int k, int second, bool odd) { return odd ? layerOf(window, k + 1, second) : layerOf(window, k, second); }
 
 // The cell of a position whose voxels lie in the patch.
 Cell cellIn(Patch slots, vec3 position) {
@@ -42,16 +65,17 @@ Cell cellIn(Patch slots, vec3 position) {
   Cell cell;
   cell.voxel = ivec3(corner);
   cell.fraction = position - 0.5 - corner;
-  ivec3 l = cell.voxel & 7, h = (cell.voxel + 1) & 7;
-  bvec3 l_next = notEqual(cell.voxel >> 3, slots.block), h_next = notEqual((cell.voxel + 1) >> 3, slots.block);
-  uvec4 low = slotsWithin(l_next.z ? slots.slots_high : slots.slots_low, l_next, h_next);
-  uvec4 high = slotsWithin(h_next.z ? slots.slots_high : slots.slots_low, l_next, h_next);
-  uvec4 rows = uvec4(l.y * 8 + l.x, l.y * 8 + h.x, h.y * 8 + l.x, h.y * 8 + h.x);
-  uint zl = uint(l.z * 64), zh = uint(h.z * 64);
-  cell.low = vec4(tsdfInBlock(low.x, rows.x + zl), tsdfInBlock(low.y, rows.y + zl), tsdfInBlock(low.z, rows.z + zl),
-                  tsdfInBlock(low.w, rows.w + zl));
-  cell.high = vec4(tsdfInBlock(high.x, rows.x + zh), tsdfInBlock(high.y, rows.y + zh), tsdfInBlock(high.z, rows.z + zh),
-                   tsdfInBlock(high.w, rows.w + zh));
+  Window window = windowIn(slots, cell.voxel >> 1);
+  bvec3 odd = notEqual(cell.voxel & 1, ivec3(0));
+  vec4 layers[2];
+  [[unroll]] for (int k = 0; k < 2; ++k) {
+    uvec4 first = layerOf(window, k, 0, odd.z), second = layerOf(window, k, 1, odd.z);
+    uvec2 a = odd.y ? first.yz : first.xy, b = odd.y ? second.yz : second.xy;
+    layers[k] = vec4(tsdfOf(odd.x ? a.x : a.x << 16), tsdfOf(odd.x ? b.x << 16 : a.x), tsdfOf(odd.x ? a.y : a.y << 16),
+                     tsdfOf(odd.x ? b.y << 16 : a.y));
+  }
+  cell.low = layers[0];
+  cell.high = layers[1];
   return cell;
 }
 
@@ -94,21 +118,17 @@ Neighbourhood neighbourhoodIn(Patch slots, vec3 position) {
   bvec3 in_cell[3] = bvec3[3](before, bvec3(true), not(before));
 
   ivec3 low = centre - 1;
-  bool odd = (low.x & 1) != 0;
-  bool first_next = (low.x >> 3) != slots.block.x, second_next = ((low.x + 2) >> 3) != slots.block.x;
-  int word_low = (low.x & 7) >> 1, word_high = ((low.x + 2) & 7) >> 1;
+  bvec3 odd = notEqual(low & 1, ivec3(0));
+  Window window = windowIn(slots, low >> 1);
   Neighbourhood sum = Neighbourhood(0.0, vec3(0.0), 0.0, 0.0);
   [[unroll]] for (int k = 0; k < 3; ++k) {
-    uvec4 layer = ((low.z + k) >> 3) != slots.block.z ? slots.slots_high : slots.slots_low;
+    uvec4 firsts = layerOf(window, k, 0, odd.z), seconds = layerOf(window, k, 1, odd.z);
     Neighbourhood within = Neighbourhood(0.0, vec3(0.0), 0.0, 0.0);  // this layer's; z is the value of the splines
     [[unroll]] for (int j = 0; j < 3; ++j) {
-      uvec2 pair = ((low.y + j) >> 3) != slots.block.y ? layer.zw : layer.xy;
-      int row = ((low.z + k) & 7) * 32 + ((low.y + j) & 7) * 4;
       // Three voxels along x lie in two words, the middle one in either.
-      uint first = tsdfWordInBlock(first_next ? pair.y : pair.x, uint(row + word_low));
-      uint second = tsdfWordInBlock(second_next ? pair.y : pair.x, uint(row + word_high));
-      vec3 v = odd ? vec3(tsdfOf(first), tsdfOf(second << 16), tsdfOf(second))
-                   : vec3(tsdfOf(first << 16), tsdfOf(first), tsdfOf(second << 16));
+      uint first = odd.y ? firsts[j + 1] : firsts[j], second = odd.y ? seconds[j + 1] : seconds[j];
+      vec3 v = odd.x ? vec3(tsdfOf(first), tsdfOf(second << 16), tsdfOf(second))
+                     : vec3(tsdfOf(first << 16), tsdfOf(first), tsdfOf(second << 16));
       vec3 size = abs(v);
       float row_in_cell = max(size.y, before.x ? size.x : size.z);
       within.largest = max(within.largest, max(size.y, max(size.x, size.z)));
@@ -152,16 +172,24 @@ Luminance luminanceAt(vec3 position) {
 
   ivec3 low = centre - 1;
   Patch slots = patchOf(low, centre + 1);
+  ivec3 first = low >> 1, next = first + 1;
+  bvec3 odd = notEqual(low & 1, ivec3(0));
+  bvec2 l = notEqual(first.xy >> 2, slots.block.xy), h = notEqual(next.xy >> 2, slots.block.xy);
+  uvec2 x = uvec2(first.x & 3, next.x & 3) << 1, y = uvec2(first.y & 3, next.y & 3) << 3;
   Luminance sum = Luminance(0.0, vec3(0.0), true);
   [[unroll]] for (int k = 0; k < 3; ++k) {
-    uvec4 layer = ((low.z + k) >> 3) != slots.block.z ? slots.slots_high : slots.slots_low;
+    int z = low.z + k;
+    uvec4 layer = slotsWithin((z >> 3) != slots.block.z ? slots.slots_high : slots.slots_low, l, h);
+    uint quad = uint((z & 6) << 4 | (z & 1));
+    uvec4 a = colourQuadInBlock(layer.x, quad + y.x + x.x), b = colourQuadInBlock(layer.y, quad + y.x + x.y);
+    uvec4 c = colourQuadInBlock(layer.z, quad + y.y + x.x), d = colourQuadInBlock(layer.w, quad + y.y + x.y);
+    uvec4 rows[4] = uvec4[4](uvec4(a.xy, b.xy), uvec4(a.zw, b.zw), uvec4(c.xy, d.xy), uvec4(c.zw, d.zw));
     Luminance within = Luminance(0.0, vec3(0.0), true);  // this layer's; z is the value of the splines
     [[unroll]] for (int j = 0; j < 3; ++j) {
-      uvec2 pair = ((low.y + j) >> 3) != slots.block.y ? layer.zw : layer.xy;
+      uvec4 row = odd.y ? rows[j + 1] : rows[j];
       float along = 0.0, sloping = 0.0, value = 0.0;
       [[unroll]] for (int i = 0; i < 3; ++i) {
-        uint slot = ((low.x + i) >> 3) != slots.block.x ? pair.y : pair.x;
-        uint word = colourWord(chunkOf(slot), slotInChunk(slot) * kBlockColourWords + localIndex(low + ivec3(i, j, k)));
+        uint word = odd.x ? row[i + 1] : row[i];
         within.known = within.known && word >> 24 != 0u;
         float v = luminanceOf(word);
         along += spline[i].x * v;

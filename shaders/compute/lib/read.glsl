@@ -1,5 +1,5 @@
 // Buffers that a shader only reads, each behind a function NAME(i): READ_WORDS, READ_FLOATS and READ_VECTORS (of four
-// floats) declare one. With READ_TEXELS they are texel buffers: llvmpipe gathers texels for all lanes at once, where it
+// floats) declare one; READ_QUADS words that NAMEQuad(i) also reads four at a time. With READ_TEXELS they are texel buffers: llvmpipe gathers texels for all lanes at once, where it
 // loads from a storage buffer lane by lane and puts the vector together in memory.
 #ifndef ROSEFUSION_READ
 #define ROSEFUSION_READ
@@ -13,6 +13,14 @@
 #define READ_VECTORS(NAME, BINDING)                              \
   layout(binding = BINDING) uniform samplerBuffer NAME##_read;   \
   vec4 NAME(uint i) { return texelFetch(NAME##_read, int(i)); }
+#define READ_QUADS(NAME, BINDING)                                                            \
+  layout(binding = BINDING) uniform samplerBuffer NAME##_read;                               \
+  uvec4 NAME##Quad(uint i) { return floatBitsToUint(texelFetch(NAME##_read, int(i))); }      \
+  uint NAME(uint i) {                                                                        \
+    uvec4 quad = NAME##Quad(i >> 2);                                                         \
+    uvec2 pair = (i & 2u) != 0u ? quad.zw : quad.xy;                                         \
+    return (i & 1u) != 0u ? pair.y : pair.x;                                                 \
+  }
 #else
 #define READ_STORAGE(TYPE, NAME, BINDING)                                                        \
   layout(std430, binding = BINDING) readonly restrict buffer NAME##_block { TYPE NAME##_read[]; }; \
@@ -20,5 +28,9 @@
 #define READ_WORDS(NAME, BINDING) READ_STORAGE(uint, NAME, BINDING)
 #define READ_FLOATS(NAME, BINDING) READ_STORAGE(float, NAME, BINDING)
 #define READ_VECTORS(NAME, BINDING) READ_STORAGE(vec4, NAME, BINDING)
+#define READ_QUADS(NAME, BINDING)                                                                   \
+  layout(std430, binding = BINDING) readonly restrict buffer NAME##_block { uvec4 NAME##_read[]; };  \
+  uvec4 NAME##Quad(uint i) { return NAME##_read[i]; }                                               \
+  uint NAME(uint i) { return NAME##_read[i >> 2][i & 3u]; }
 #endif
 #endif

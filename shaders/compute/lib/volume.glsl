@@ -1,6 +1,7 @@
 // Addressing of the voxel-block volume (see interface/volume.h). The includer defines the bindings it has:
 // VOLUME_LAYOUT (a storage buffer) or VOLUME_UNIFORM_LAYOUT (a uniform one), and optionally VOLUME_TABLE, VOLUME_TSDF,
 // VOLUME_WEIGHT and VOLUME_COLOUR (first of four each), to read them: storage buffers, or with READ_TEXELS texel buffers.
+// With VOLUME_TSDF_QUADS and VOLUME_COLOUR_QUADS they are read by whole cubes faster, and by single voxels slower.
 #include "shaders/compute/interface/volume.h"
 #include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/read.glsl"
@@ -13,21 +14,31 @@ UNIFORM_PARAMETERS(VolumeLayout, volume, VOLUME_UNIFORM_LAYOUT)
 layout(std430, binding = VOLUME_LAYOUT) readonly restrict buffer LayoutBuffer { VolumeLayout volume; };
 #endif
 
-// The words of the pools NAME_0 to NAME_3 behind one function.
-#define POOL_WORD(NAME)                                            \
-  uint NAME##Word(uint chunk, uint word) {                         \
-    if (kPoolChunks == 1u || chunk == 0u) return NAME##_0(word);   \
-    if (kPoolChunks == 2u || chunk == 1u) return NAME##_1(word);   \
-    if (kPoolChunks == 3u || chunk == 2u) return NAME##_2(word);   \
-    return NAME##_3(word);                                         \
+// What functions A to D read of the four pools, behind one function.
+#define OF_CHUNKS(TYPE, FUNCTION, A, B, C, D)              \
+  TYPE FUNCTION(uint chunk, uint i) {                      \
+    if (kPoolChunks == 1u || chunk == 0u) return A(i);     \
+    if (kPoolChunks == 2u || chunk == 1u) return B(i);     \
+    if (kPoolChunks == 3u || chunk == 2u) return C(i);     \
+    return D(i);                                           \
   }
-// Four pools that are only read, on the bindings from FIRST on.
-#define POOL(NAME, FIRST)          \
-  READ_WORDS(NAME##_0, FIRST)      \
-  READ_WORDS(NAME##_1, FIRST + 1u) \
-  READ_WORDS(NAME##_2, FIRST + 2u) \
-  READ_WORDS(NAME##_3, FIRST + 3u) \
+#define POOL_WORD(NAME) OF_CHUNKS(uint, NAME##Word, NAME##_0, NAME##_1, NAME##_2, NAME##_3)
+// Four pools that are only read, on the bindings from FIRST on, by words or also by four of them.
+#define POOL_OF(READ, NAME, FIRST) \
+  READ(NAME##_0, FIRST)            \
+  READ(NAME##_1, FIRST + 1u)       \
+  READ(NAME##_2, FIRST + 2u)       \
+  READ(NAME##_3, FIRST + 3u)       \
   POOL_WORD(NAME)
+#define POOL(NAME, FIRST) POOL_OF(READ_WORDS, NAME, FIRST)
+#define QUADS_OF_POOL(NAME, FIRST) \
+  POOL_OF(READ_QUADS, NAME, FIRST) \
+  OF_CHUNKS(uvec4, NAME##Quad, NAME##_0Quad, NAME##_1Quad, NAME##_2Quad, NAME##_3Quad)
+#define QUADS_OF_WORDS(NAME)                                                                                         \
+  uvec4 NAME##Quad(uint chunk, uint quad) {                                                                          \
+    return uvec4(NAME##Word(chunk, 4u * quad), NAME##Word(chunk, 4u * quad + 1u), NAME##Word(chunk, 4u * quad + 2u), \
+                 NAME##Word(chunk, 4u * quad + 3u));                                                                 \
+  }
 
 // Block coordinates by slot.
 #define BLOCKS(BINDING)         \
@@ -51,7 +62,15 @@ ivec3 clampToTable(ivec3 entry) { return clamp(entry, ivec3(0), volume.table_siz
 #endif
 
 #ifdef VOLUME_TSDF
+#ifdef VOLUME_TSDF_QUADS
+QUADS_OF_POOL(tsdf, VOLUME_TSDF)
+#else
 POOL(tsdf, VOLUME_TSDF)
+QUADS_OF_WORDS(tsdf)
+#endif
+
+// The cube of 8 voxels with that number in its block. Words are pairs along x: (y0 z0, y1 z0, y0 z1, y1 z1).
+uvec4 tsdfCube(uint slot, uint cube) { return tsdfQuad(chunkOf(slot), slotInChunk(slot) * (kBlockTsdfWords / 4u) + cube); }
 
 uint tsdfWordInBlock(uint slot, uint word) { return tsdfWord(chunkOf(slot), slotInChunk(slot) * kBlockTsdfWords + word); }
 
@@ -70,12 +89,23 @@ float weightInBlock(uint slot, uint local) {
 #endif
 
 #ifdef VOLUME_COLOUR
+#ifdef VOLUME_COLOUR_QUADS
+QUADS_OF_POOL(colour, VOLUME_COLOUR)
+#else
 POOL(colour, VOLUME_COLOUR)
+QUADS_OF_WORDS(colour)
 #endif
 
+// Colours of a cube's lower or upper layer, of which a block has 128: (x0 y0, x1 y0, x0 y1, x1 y1).
+uvec4 colourQuadInBlock(uint slot, uint quad) {
+  return colourQuad(chunkOf(slot), slotInChunk(slot) * (kBlockColourWords / 4u) + quad);
+}
+#endif
+
+// Number of a voxel within its block: by cubes of 2^3 (see interface/volume.h).
 uint localIndex(ivec3 voxel) {
-  ivec3 l = voxel & (kBlockSide - 1);
-  return uint((l.z * kBlockSide + l.y) * kBlockSide + l.x);
+  ivec3 cube = (voxel & 6) << ivec3(2, 4, 6), one = (voxel & 1) << ivec3(0, 1, 2);
+  return uint((cube.x | cube.y | cube.z) | (one.x | one.y | one.z));
 }
 
 #if defined(VOLUME_TABLE) && defined(VOLUME_TSDF)
