@@ -71,7 +71,7 @@ bool wellObserved(Cell cell) {
   bool suspect = max(max(most.x, most.y), max(most.z, most.w)) >= 1.0;
   bool observed = true;
   int corner = 0;
-  if (suspect) do {
+  if (suspect) [[dont_unroll]] do {
     ivec3 voxel = cell.voxel + (ivec3(corner) >> ivec3(0, 1, 2) & 1);
     observed = observed && weightInBlock(slotAt(voxel >> 3), localIndex(voxel)) > 0.0;
   } while (++corner < 8);
@@ -92,20 +92,26 @@ struct Walk {
 
 // Goes on from walk.t to the first sample behind a surface; false: none before `end`.
 bool crosses(Ray ray, float end, float band, inout Walk walk) {
-  bool found;
+  bool found = false;
   do {
-    ivec3 voxel = ivec3(at(ray, walk.t));
-    ivec3 entry = voxel >> 3;
-    uint slot = solidAt(clampToTable(entry));
+    ivec3 voxel;
+    uint slot;
+    do {
+      voxel = ivec3(at(ray, walk.t));
+      slot = solidAt(clampToTable(voxel >> 3));
+      if (slot != 0u) break;
+      float leave = blockExit(ray, voxel >> 3);
+      walk.front = true;
+      walk.front_t = leave - kBeforeExit;
+      walk.t = max(leave, walk.t) + max(kPastExit, kPastShare * walk.t);
+    } while (walk.t < end);
+    if (walk.t >= end) break;
     walk.value = tsdfInBlock(slot, localIndex(voxel));
-    found = walk.value < 0.0 && walk.front && walk.t < end;
+    found = walk.value < 0.0 && walk.front;
     if (found) break;
-    float leave = blockExit(ray, entry);
     walk.front = walk.value >= 0.0;
-    walk.front_t = slot == 0u ? leave - kBeforeExit : walk.t;
-    float step = clamp(abs(walk.value) * band * kStepShare, 1.0, kLongestStep);
-    float past = max(kPastExit, kPastShare * walk.t);
-    walk.t = slot == 0u ? max(leave, walk.t) + past : walk.t + step;
+    walk.front_t = walk.t;
+    walk.t += clamp(abs(walk.value) * band * kStepShare, 1.0, kLongestStep);
   } while (walk.t < end);
   return found;
 }
@@ -165,7 +171,7 @@ vec3 colourAt(vec3 position) {
   vec3 corner = floor(position - 0.5), fraction = position - 0.5 - corner, sum = vec3(0.0);
   float total = 0.0;
   int i = 0;
-  if ((params.size.z & kRaycastColoured) != 0) do {
+  if ((params.size.z & kRaycastColoured) != 0) [[dont_unroll]] do {
     ivec3 offset = ivec3(i) >> ivec3(0, 1, 2) & 1, voxel = ivec3(corner) + offset;
     uint slot = slotAt(voxel >> 3);
     uint word = colourWord(chunkOf(slot), slotInChunk(slot) * kBlockColourWords + localIndex(voxel));
