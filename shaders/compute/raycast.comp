@@ -26,7 +26,8 @@ READ_WORDS(solidEntry, kRaycastBindSolid)
 layout(std430, binding = kRaycastBindDepth) writeonly restrict buffer Depth { float depth[]; };
 
 // Loops test at their end. llvmpipe knows no branch but a loop's back to its begin: with the test at the head it runs
-// the body once more, all lanes masked, and what stands behind an `if` it always runs.
+// the body once more, all lanes masked, and what stands behind an `if` it always runs. What a loop reads and later code
+// needs is put into a variable where the loop is left: elsewhere a later lane's turn overwrites it (22.3).
 const float kStepShare = 0.8;   // of the stored distance, which a slanted view makes too long
 // Voxels. With one more at both ends, their cells and the normal's neighbours the voxels read then lie at most 8 apart:
 // in one patch of blocks.
@@ -65,14 +66,12 @@ float blockExit(Ray ray, ivec3 entry) {
 
 uint solidAt(ivec3 entry) { return solidEntry(uint((entry.z * volume.table_size.y + entry.y) * volume.table_size.x + entry.x)); }
 
-// False when a voxel of the cell was never observed. Only +1 can be such a voxel.
-bool wellObserved(Cell cell) {
-  vec4 most = max(cell.low, cell.high);
-  bool suspect = max(max(most.x, most.y), max(most.z, most.w)) >= 1.0;
+// Whether all 8 voxels around a position were observed. Only +1 can be one that was not.
+bool wellObserved(vec3 position, float largest) {
   bool observed = true;
   int corner = 0;
-  if (suspect) [[dont_unroll]] do {
-    ivec3 voxel = cell.voxel + (ivec3(corner) >> ivec3(0, 1, 2) & 1);
+  if (largest >= 1.0) [[dont_unroll]] do {
+    ivec3 voxel = ivec3(floor(position - 0.5)) + (ivec3(corner) >> ivec3(0, 1, 2) & 1);
     observed = observed && weightInBlock(slotAt(voxel >> 3), localIndex(voxel)) > 0.0;
   } while (++corner < 8);
   return observed;
@@ -85,7 +84,8 @@ struct Hit {
 
 // Samples along a ray, one at a time.
 struct Walk {
-  float t, value;  // of the last sample
+  float t;      // of the last sample
+  float value;  // behind the surface where it crosses one
   bool front;      // the sample before it, at front_t, was positive
   float front_t;
 };
@@ -94,24 +94,29 @@ struct Walk {
 bool crosses(Ray ray, float end, float band, inout Walk walk) {
   bool found = false;
   do {
-    ivec3 voxel;
-    uint slot;
+    uint slot = 0u;
     do {
-      voxel = ivec3(at(ray, walk.t));
-      slot = solidAt(clampToTable(voxel >> 3));
-      if (slot != 0u) break;
-      float leave = blockExit(ray, voxel >> 3);
+      ivec3 entry = ivec3(at(ray, walk.t)) >> 3;
+      uint here = solidAt(clampToTable(entry));
+      if (here != 0u) {
+        slot = here;
+        break;
+      }
+      float leave = blockExit(ray, entry);
       walk.front = true;
       walk.front_t = leave - kBeforeExit;
       walk.t = max(leave, walk.t) + max(kPastExit, kPastShare * walk.t);
     } while (walk.t < end);
     if (walk.t >= end) break;
-    walk.value = tsdfInBlock(slot, localIndex(voxel));
-    found = walk.value < 0.0 && walk.front;
-    if (found) break;
-    walk.front = walk.value >= 0.0;
+    float value = tsdfInBlock(slot, localIndex(ivec3(at(ray, walk.t))));
+    if (value < 0.0 && walk.front) {
+      walk.value = value;
+      found = true;
+      break;
+    }
+    walk.front = value >= 0.0;
     walk.front_t = walk.t;
-    walk.t += clamp(abs(walk.value) * band * kStepShare, 1.0, kLongestStep);
+    walk.t += clamp(abs(value) * band * kStepShare, 1.0, kLongestStep);
   } while (walk.t < end);
   return found;
 }
@@ -130,12 +135,10 @@ Hit surfaceBetween(Ray ray, float band, Walk walk, out bool observed) {
   vec3 one_end = at(ray, ahead), other_end = at(ray, behind);
   Patch slots = patchOf(ivec3(min(one_end, other_end)) - 1, ivec3(max(one_end, other_end)) + 1);
   float guess = mix(front_t, walk.t, front_value > 0.0 ? front_value / (front_value - walk.value) : 0.5);
-  Cell cell;
   bool near_enough;
   int steps = 0;
   do {
-    cell = cellIn(slots, at(ray, guess));
-    vec4 field = trilinear(cell);
+    vec4 field = trilinear(cellIn(slots, at(ray, guess)));
     near_enough = abs(field.w) * band < kConverged;
     if (field.w > 0.0) ahead = guess;
     else behind = guess;
@@ -144,7 +147,7 @@ Hit surfaceBetween(Ray ray, float band, Walk walk, out bool observed) {
   } while (!near_enough && ++steps < kMaxSteps);
   Neighbourhood near = neighbourhoodIn(slots, at(ray, guess));
   float correction = near.value / min(dot(near.gradient, ray.direction), kLeastSlope);
-  observed = observed && wellObserved(cell);
+  observed = observed && wellObserved(at(ray, guess), near.largest_in_cell);
   return Hit(observed && abs(near.value) * band < kMaxResidual ? guess - clamp(correction, -0.5, 0.5) : -1.0, near.gradient);
 }
 

@@ -10,7 +10,7 @@
 #include "tests/host/base/temporary_folder.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_command_line {
 
 using ::testing::HasSubstr;
 
@@ -166,5 +166,5 @@ TEST(CommandLine, InterruptFinishesTheFiles) {
     EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(out) / file)) << file << "\n" << outcome.text;
 }
 
-}  // namespace
+}  // namespace test_command_line
 }  // namespace rosefusion::testing

@@ -8,7 +8,7 @@
 #include "host/error.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_guarded_main {
 
 template <typename Exception>
 int codeOf(const char* name, const Exception& exception) {
@@ -26,5 +26,5 @@ TEST(GuardedMain, TellsDefectsFromBadInputAndDevices) {
   EXPECT_EQ(codeOf("other", std::runtime_error("unforeseen")), kExitFailure);
 }
 
-}  // namespace
+}  // namespace test_guarded_main
 }  // namespace rosefusion::testing

@@ -9,7 +9,7 @@
 #include "tests/host/embedding/frames.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_renderer {
 
 constexpr std::array<float, 3> kMagenta = {1, 0, 1};  // no colour of the model, nor of its backdrop
 constexpr std::uint32_t kMagentaTexel = 0xFFFF00FF;
@@ -99,5 +99,5 @@ TEST_F(Renderer, DrawsWhileFramesAreTracked) {
   EXPECT_EQ(reconstructor.trajectory().size(), 4u);
 }
 
-}  // namespace
+}  // namespace test_renderer
 }  // namespace rosefusion::testing

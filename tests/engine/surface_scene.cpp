@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <glm/gtc/matrix_inverse.hpp>
 #include <limits>
+
+#include "tests/engine/validating_device.h"
 
 namespace rosefusion::testing {
 namespace {
@@ -25,11 +26,6 @@ VolumeOptions volumeOptions(const SceneOptions& options) {
   out.truncation = 3 * options.voxel_size;
   out.colour = options.colour;
   return out;
-}
-
-DeviceOptions deviceUnderTest() {
-  const char* chosen = std::getenv("ROSEFUSION_DEVICE");
-  return {.select = chosen ? chosen : "llvmpipe", .validation = true};
 }
 
 }  // namespace

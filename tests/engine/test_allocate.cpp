@@ -4,7 +4,7 @@
 #include "tests/reference/allocate.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_allocate {
 
 // Blocks of 8 cm: thousands of them, and still wider than two pixels are apart.
 constexpr VolumeOptions kVolume{.voxel_size = 0.01f, .truncation = 0.06f};
@@ -91,5 +91,5 @@ TEST_F(AllocateList, AnImageWithoutDepthAsksForNothing) {
   EXPECT_EQ(run.volume.blockCount(), 0u);
 }
 
-}  // namespace
+}  // namespace test_allocate
 }  // namespace rosefusion::testing

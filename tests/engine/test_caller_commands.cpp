@@ -7,7 +7,7 @@
 #include "tests/engine/validating_device.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_caller_commands {
 
 constexpr std::uint32_t kWidth = 80, kHeight = 60;
 constexpr float kNothing = 1e9f;
@@ -114,5 +114,5 @@ TEST_F(CallerCommands, TheEngineDoesNotSubmitForTheCaller) {
   });
 }
 
-}  // namespace
+}  // namespace test_caller_commands
 }  // namespace rosefusion::testing

@@ -9,7 +9,7 @@
 #include "tests/engine/validating_device.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_caller_device {
 
 class CallerDevices : public ::testing::Test {
  protected:
@@ -215,5 +215,5 @@ TEST_F(CallerDevices, HandlesThatAreMissingAreRefused) {
   }
 }
 
-}  // namespace
+}  // namespace test_caller_device
 }  // namespace rosefusion::testing

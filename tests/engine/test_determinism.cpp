@@ -7,7 +7,7 @@
 #include "tests/engine/validating_device.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_determinism {
 
 /// Everything that the passes leave, as bytes.
 std::string resultsOf(Device& device, const Sequence& sequence) {
@@ -57,5 +57,5 @@ TEST_F(Determinism, ComparisonSeesOneUnitOfDepth) {
   EXPECT_FALSE(resultsOf(device(), sequence) == first);
 }
 
-}  // namespace
+}  // namespace test_determinism
 }  // namespace rosefusion::testing

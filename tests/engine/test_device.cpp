@@ -8,7 +8,7 @@
 #include "tests/engine/validating_device.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_device {
 
 class Devices : public ValidatingDevice {
  protected:
@@ -195,5 +195,5 @@ TEST_F(WithoutDriver, AMissingValidationLayerIsNamed) {
       ::testing::ExitedWithCode(0), "");
 }
 
-}  // namespace
+}  // namespace test_device
 }  // namespace rosefusion::testing

@@ -10,7 +10,7 @@
 #include "tests/reference/extract_reference.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_extract {
 
 using Eigen::Vector3d;
 using reference::GridEdge;
@@ -262,5 +262,5 @@ TEST_F(Extract, SmallComponentsGoOnRequest) {
   EXPECT_GT(large.triangles.size(), 50000u);
 }
 
-}  // namespace
+}  // namespace test_extract
 }  // namespace rosefusion::testing

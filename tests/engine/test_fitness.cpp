@@ -8,7 +8,7 @@
 #include "tests/reference/select_points.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_fitness {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
@@ -341,5 +341,5 @@ TEST_F(Fitness, WithoutPointsThereIsNoLoss) {
     for (const float loss : losses(swarm_, slices)) ASSERT_LT(loss, 0);
 }
 
-}  // namespace
+}  // namespace test_fitness
 }  // namespace rosefusion::testing

@@ -8,7 +8,7 @@
 #include "tests/reference/packed_surface.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_icp {
 
 constexpr VolumeOptions kVolume{.voxel_size = 0.04f, .truncation = 0.12f};
 constexpr int kFrames = 3;
@@ -119,5 +119,5 @@ TEST_P(IcpTest, AnEmptyModelHasNoPairs) {
 
 INSTANTIATE_TEST_SUITE_P(Cameras, IcpTest, kBothCameras, cameraName);
 
-}  // namespace
+}  // namespace test_icp
 }  // namespace rosefusion::testing

@@ -3,7 +3,7 @@
 #include "tests/engine/validating_device.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_integrate {
 
 // The cap is reached by most voxels within the 8 frames, so that both the mean and its capped form are
 // compared.
@@ -307,5 +307,5 @@ TEST_F(IntegrateRules, FewWorkgroupsPerRowGiveTheSameVolume) {
   EXPECT_THAT(narrow.validationMessages(), ::testing::IsEmpty());
 }
 
-}  // namespace
+}  // namespace test_integrate
 }  // namespace rosefusion::testing

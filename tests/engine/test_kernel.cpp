@@ -9,7 +9,7 @@
 #include "tests/engine/validating_device.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_kernel {
 
 using shader::FitnessParams;
 using shader::kRefineBindings;
@@ -163,5 +163,5 @@ TEST_F(Recording, TooManyDispatchesAreRefusedUntilTheSubmit) {
   recorder_->submit();  // nothing recorded: nothing happens
 }
 
-}  // namespace
+}  // namespace test_kernel
 }  // namespace rosefusion::testing

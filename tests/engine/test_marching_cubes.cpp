@@ -10,7 +10,7 @@
 #include "engine/passes/marching_cubes.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_marching_cubes {
 
 using Corner = std::array<int, 3>;
 
@@ -137,5 +137,5 @@ TEST(MarchingCubes, RandomVolumesGiveClosedOrientedManifolds) {
   }
 }
 
-}  // namespace
+}  // namespace test_marching_cubes
 }  // namespace rosefusion::testing

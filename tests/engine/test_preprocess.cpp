@@ -6,7 +6,7 @@
 #include "tests/engine/validating_device.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_preprocess {
 
 class Preprocess : public ValidatingDevice, public ::testing::WithParamInterface<Intrinsics> {
  protected:
@@ -203,5 +203,5 @@ TEST_F(PreprocessInput, WrongImageSizeIsAProgrammingError) {
       throwsDeviceError([&] { pass.setColour(rgb); }, DeviceErrorCode::Programming, {"camera's size"}));
 }
 
-}  // namespace
+}  // namespace test_preprocess
 }  // namespace rosefusion::testing

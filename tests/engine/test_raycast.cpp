@@ -11,7 +11,7 @@
 #include "tests/reference/raycast_reference.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_raycast {
 
 using Eigen::Vector3d;
 
@@ -278,5 +278,5 @@ TEST_F(Raycast, PreviewTakesTheVolumesColours) {
   EXPECT_LT(shadingError(view, pose, truth), 3.0);
 }
 
-}  // namespace
+}  // namespace test_raycast
 }  // namespace rosefusion::testing

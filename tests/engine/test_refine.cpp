@@ -11,7 +11,7 @@
 #include "tests/reference/select_points.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_refine {
 
 constexpr VolumeOptions kVolume{.voxel_size = 0.04f, .truncation = 0.12f};
 constexpr PixelGrid kGrid{5, 2, 3};
@@ -270,5 +270,5 @@ TEST_P(Refine, WithoutPointsAllSumsAreZero) {
 
 INSTANTIATE_TEST_SUITE_P(Cameras, Refine, kBothCameras, cameraName);
 
-}  // namespace
+}  // namespace test_refine
 }  // namespace rosefusion::testing

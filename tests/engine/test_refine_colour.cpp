@@ -9,7 +9,7 @@
 #include "tests/reference/select_points.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_refine_colour {
 
 constexpr VolumeOptions kVolume{.voxel_size = 0.04f, .truncation = 0.12f, .colour = true};
 constexpr PixelGrid kGrid{5, 2, 3};
@@ -142,5 +142,5 @@ TEST_P(RefineColour, RefusesAFrameOrAVolumeWithoutColour) {
 
 INSTANTIATE_TEST_SUITE_P(Cameras, RefineColour, kBothCameras, cameraName);
 
-}  // namespace
+}  // namespace test_refine_colour
 }  // namespace rosefusion::testing

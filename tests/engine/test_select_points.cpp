@@ -4,7 +4,7 @@
 #include "tests/reference/select_points.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_select_points {
 
 // Points within rounding of the last frame's outline.
 constexpr double kSkippedShare = 0.001;
@@ -106,5 +106,5 @@ TEST_P(SelectPoints, AGridOutsideTheImageIsAProgrammingError) {
 
 INSTANTIATE_TEST_SUITE_P(Cameras, SelectPoints, kBothCameras, cameraName);
 
-}  // namespace
+}  // namespace test_select_points
 }  // namespace rosefusion::testing

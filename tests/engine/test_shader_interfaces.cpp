@@ -26,7 +26,7 @@
 #include "shaders/compute/interface/volume.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_shader_interfaces {
 
 #define MEMBER(STRUCT, NAME) \
   { #NAME, offsetof(shader::STRUCT, NAME) }
@@ -193,5 +193,5 @@ TEST(ShaderInterfaces, ComparisonSeesAWrongLayout) {
   EXPECT_FALSE(differences(structs[0], structsInCpp().at(structs[1].name)).empty());
 }
 
-}  // namespace
+}  // namespace test_shader_interfaces
 }  // namespace rosefusion::testing

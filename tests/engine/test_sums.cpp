@@ -7,7 +7,7 @@
 #include "tests/engine/validating_device.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_sums {
 
 class Sums : public ValidatingDevice {};
 
@@ -88,5 +88,5 @@ TEST_F(SumsInFitness, CompensationKeepsEveryPoint) {
   EXPECT_GT(std::abs(lossOf(Loss::Absolute, false, 1) - psi_), 1e-5 * psi_);
 }
 
-}  // namespace
+}  // namespace test_sums
 }  // namespace rosefusion::testing

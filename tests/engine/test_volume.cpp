@@ -7,7 +7,7 @@
 #include "tests/engine/validating_device.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_volume {
 
 constexpr VolumeOptions kOptions{.voxel_size = 0.02f, .truncation = 0.06f, .colour = true};
 constexpr std::uint64_t kColourBlockBytes = 4 * shader::kBlockColourWords;  // the largest of the three pools
@@ -291,5 +291,5 @@ TEST_F(Volumes, MemoryIsGivenBack) {
   EXPECT_EQ(device().allocatedBytes(), start);
 }
 
-}  // namespace
+}  // namespace test_volume
 }  // namespace rosefusion::testing

@@ -18,7 +18,7 @@
 #include "tests/host/pipeline/short_sequence.h"
 
 namespace rosefusion::viewer {
-namespace {
+namespace test_session {
 
 using namespace rosefusion::testing;
 using namespace std::chrono_literals;
@@ -182,5 +182,5 @@ TEST_F(SessionTest, ACameraThatIsCoveredIsLostAndComesBack) {
   EXPECT_FALSE(after.path->at(5).connected) << "nobody knows how the camera came here";
 }
 
-}  // namespace
+}  // namespace test_session
 }  // namespace rosefusion::viewer

@@ -11,7 +11,7 @@
 #include "tests/host/loops/ring_walk.h"
 
 namespace rosefusion::viewer {
-namespace {
+namespace test_session_loops {
 
 using namespace rosefusion::testing;
 
@@ -65,5 +65,5 @@ TEST(SessionLoops, TheDrawnPathIsCorrected) {
   EXPECT_THAT(device.validationMessages(), ::testing::IsEmpty());
 }
 
-}  // namespace
+}  // namespace test_session_loops
 }  // namespace rosefusion::viewer

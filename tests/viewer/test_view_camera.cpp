@@ -4,7 +4,7 @@
 #include "apps/viewer/view_camera.h"
 
 namespace rosefusion::viewer {
-namespace {
+namespace test_view_camera {
 
 Pose at(double x, double y, double z, double turn = 0) {
   Pose pose = Pose::Identity();
@@ -96,5 +96,5 @@ TEST(ViewCamera, ZoomAndPanFollowTheMouse) {
               1e-9);
 }
 
-}  // namespace
+}  // namespace test_view_camera
 }  // namespace rosefusion::viewer

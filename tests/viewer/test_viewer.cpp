@@ -15,7 +15,7 @@
 #include "tests/host/base/temporary_folder.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_viewer {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -128,5 +128,5 @@ TEST_F(ViewerTest, ADrivenSessionLeavesItsFiles) {
   EXPECT_GT(spread[0], 10) << "the picture has no surface";
 }
 
-}  // namespace
+}  // namespace test_viewer
 }  // namespace rosefusion::testing

@@ -9,7 +9,7 @@
 #include "tests/host/base/temporary_folder.h"
 
 namespace rosefusion {
-namespace {
+namespace test_camera {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -91,5 +91,5 @@ TEST(Canonical, IsTheSameRotationWithPositiveW) {
   EXPECT_EQ(canonical(c).coeffs(), c.coeffs());
 }
 
-}  // namespace
+}  // namespace test_camera
 }  // namespace rosefusion

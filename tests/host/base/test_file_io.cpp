@@ -8,7 +8,7 @@
 #include "tests/host/base/temporary_folder.h"
 
 namespace rosefusion {
-namespace {
+namespace test_file_io {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
@@ -119,5 +119,5 @@ TEST(WriteFileAtomically, DiskThatFillsUpHalfwayLeavesNoFile) {
   EXPECT_EQ(folder.entries(), 0u);
 }
 
-}  // namespace
+}  // namespace test_file_io
 }  // namespace rosefusion

@@ -5,7 +5,7 @@
 #include "tests/host/base/temporary_folder.h"
 
 namespace rosefusion {
-namespace {
+namespace test_trajectory {
 
 using ::testing::AllOf;
 using testing::contents;
@@ -156,5 +156,5 @@ TEST_F(Interpolate, TakesTheShortWayRound) {
   EXPECT_TRUE(result_.isApprox(pose(0, 0, 0, 3.2, {0, 0, 1}), 1e-12));
 }
 
-}  // namespace
+}  // namespace test_trajectory
 }  // namespace rosefusion

@@ -7,7 +7,7 @@
 #include <functional>
 
 namespace rosefusion::testing {
-namespace {
+namespace test_disturbed_sequence {
 
 constexpr std::size_t kFrames = 120, kDisturbed = 60, kAfter = kDisturbed + 10;  // black
 
@@ -51,5 +51,5 @@ TEST(DisturbedSequence, TheViewThatDoesNotStayNeverReturns) {
   EXPECT_TRUE(std::isinf(returnsAt([](std::size_t i) { return i >= kFrames - 14; })));
 }
 
-}  // namespace
+}  // namespace test_disturbed_sequence
 }  // namespace rosefusion::testing

@@ -7,7 +7,7 @@
 #include "host/bench/native_fitness.h"
 
 namespace rosefusion {
-namespace {
+namespace test_native_fitness {
 
 constexpr float kVoxel = 0.05f;
 
@@ -113,5 +113,5 @@ TEST(NativeFitnessEdges, PointsFarOutsideTheTableAreUnobserved) {
     EXPECT_EQ(loss, 1.0f);
 }
 
-}  // namespace
+}  // namespace test_native_fitness
 }  // namespace rosefusion

@@ -10,7 +10,7 @@
 #include "tests/host/sources/memory_sequence.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_network_bench {
 
 TEST(NetworkBench, CountsTimeAndBytes) {
   MemorySequence sequence(numberedFrames(12, 30), kSmallCamera);
@@ -29,5 +29,5 @@ TEST(NetworkBench, CountsTimeAndBytes) {
   EXPECT_NE(inputErrorOf([&] { benchNetwork(sequence, 2); }).find("too few"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace test_network_bench
 }  // namespace rosefusion::testing

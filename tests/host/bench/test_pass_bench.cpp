@@ -8,7 +8,7 @@
 #include "host/bench/pass_bench.h"
 
 namespace rosefusion {
-namespace {
+namespace test_pass_bench {
 
 TEST(PassBench, ReportHasTheRequiredFigures) {
   const auto cache = std::filesystem::temp_directory_path() / "rosefusion_test_bench";
@@ -55,5 +55,5 @@ TEST(PassBench, LossesThatDisagreeAreAnError) {
   EXPECT_THROW(requireAgreement("GPU", device, native, 1000), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace test_pass_bench
 }  // namespace rosefusion

@@ -11,7 +11,7 @@
 #include "tests/host/pipeline/short_sequence.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_tracking_suite {
 
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
@@ -220,5 +220,5 @@ TEST_F(TrackingSuite, StopsWhenAskedTo) {
   EXPECT_EQ(report.sequences.size(), 1u);
 }
 
-}  // namespace
+}  // namespace test_tracking_suite
 }  // namespace rosefusion::testing

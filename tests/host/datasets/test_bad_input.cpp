@@ -7,7 +7,7 @@
 #include "tests/host/datasets/fixtures.h"
 
 namespace rosefusion::test {
-namespace {
+namespace test_bad_input {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -227,5 +227,5 @@ TEST(BadTruth, MatricesMustBeRigid) {
   EXPECT_FALSE(datasets::poseFromMatrix({1, 0, 0}, pose));
 }
 
-}  // namespace
+}  // namespace test_bad_input
 }  // namespace rosefusion::test

@@ -9,7 +9,7 @@
 #include "tests/host/datasets/fixtures.h"
 
 namespace rosefusion::test {
-namespace {
+namespace test_check {
 
 using ::testing::HasSubstr;
 
@@ -70,5 +70,5 @@ TEST(Check, AMissingFolderIsOneSentence) {
   EXPECT_EQ(run.errors, "error: /nowhere/at/all: no such file or folder; check the path.\n");
 }
 
-}  // namespace
+}  // namespace test_check
 }  // namespace rosefusion::test

@@ -9,7 +9,7 @@
 #include "tests/host/datasets/fixtures.h"
 
 namespace rosefusion::test {
-namespace {
+namespace test_formats {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -216,5 +216,5 @@ TEST(PackedSeq, AFileThatShrinksWhileOpenIsABadFrame) {
   EXPECT_TRUE(sequence->read(0, frame, problem)) << "the frames before it stay readable";
 }
 
-}  // namespace
+}  // namespace test_formats
 }  // namespace rosefusion::test

@@ -9,7 +9,7 @@
 #include "tests/host/datasets/fixtures.h"
 
 namespace rosefusion::test {
-namespace {
+namespace test_inspection {
 
 using ::testing::Contains;
 using ::testing::Field;
@@ -225,5 +225,5 @@ TEST(Findings, AssumedIntrinsicsAndReaderWarningsArePassedOn) {
   EXPECT_TRUE(r.usable());
 }
 
-}  // namespace
+}  // namespace test_inspection
 }  // namespace rosefusion::test

@@ -5,7 +5,7 @@
 #include "tests/host/datasets/fixtures.h"
 
 namespace rosefusion::test {
-namespace {
+namespace test_png_folder {
 
 using ::testing::HasSubstr;
 
@@ -91,5 +91,5 @@ TEST(PngFolder, EachMistakeInTheYamlNamesFileAndKey) {
   }
 }
 
-}  // namespace
+}  // namespace test_png_folder
 }  // namespace rosefusion::test

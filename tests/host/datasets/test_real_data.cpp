@@ -6,7 +6,7 @@
 #include "host/datasets/inspection.h"
 
 namespace rosefusion::test {
-namespace {
+namespace test_real_data {
 
 namespace fs = std::filesystem;
 
@@ -53,5 +53,5 @@ TEST(RealData, SevenScenes) {
   EXPECT_TRUE(inspectSequence(*sequence, 10).usable());
 }
 
-}  // namespace
+}  // namespace test_real_data
 }  // namespace rosefusion::test

@@ -9,7 +9,7 @@
 #include "tests/host/datasets/fixtures.h"
 
 namespace rosefusion::test {
-namespace {
+namespace test_tum {
 
 using ::testing::HasSubstr;
 
@@ -273,5 +273,5 @@ TEST(Association, NearestIsChosenFromUnsortedStampsWithinTheLimit) {
   EXPECT_FALSE(datasets::associateNearest({1.0}, {}, 0.02)[0]);
 }
 
-}  // namespace
+}  // namespace test_tum
 }  // namespace rosefusion::test

@@ -11,7 +11,7 @@
 #include "tests/host/embedding/frames.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_reconstructor {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -249,5 +249,5 @@ TEST(Standalone, SpeaksToTheCallersLogAndNowhereElse) {
     setenv("XDG_CACHE_HOME", cache_home.c_str(), 1);
 }
 
-}  // namespace
+}  // namespace test_reconstructor
 }  // namespace rosefusion::testing

@@ -17,7 +17,7 @@
 #include "tests/host/embedding/frames.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_vulkan {
 
 constexpr std::uint32_t kWidth = 80, kHeight = 60;
 constexpr std::uint32_t kLookup[] = {
@@ -351,5 +351,5 @@ TEST_F(EmbeddedVulkan, CallbacksAndPipelineCacheAreTheCallers) {
                                                                        nullptr);
 }
 
-}  // namespace
+}  // namespace test_vulkan
 }  // namespace rosefusion::testing

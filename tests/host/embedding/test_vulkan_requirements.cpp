@@ -8,7 +8,7 @@
 #include "tests/host/embedding/frames.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_vulkan_requirements {
 
 class VulkanRequired : public ::testing::Test {
  protected:
@@ -61,5 +61,5 @@ TEST_F(VulkanRequired, RequirementsAreToldBeforeThereIsADevice) {
   EXPECT_THAT(missingFor(undecided), ::testing::ElementsAre(::testing::HasSubstr("queue family 99")));
 }
 
-}  // namespace
+}  // namespace test_vulkan_requirements
 }  // namespace rosefusion::testing

@@ -5,7 +5,7 @@
 #include "tests/host/evaluation/trajectories.h"
 
 namespace rosefusion {
-namespace {
+namespace test_alignment {
 
 using ::testing::HasSubstr;
 using namespace testing;
@@ -115,5 +115,5 @@ TEST(AlignPoses, LeverLetsOrientationsOutweighTinyNoisyMotion) {
   EXPECT_LT(angleOff(1), 1e-3);
 }
 
-}  // namespace
+}  // namespace test_alignment
 }  // namespace rosefusion

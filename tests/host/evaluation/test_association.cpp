@@ -5,7 +5,7 @@
 #include "tests/host/evaluation/trajectories.h"
 
 namespace rosefusion {
-namespace {
+namespace test_association {
 
 using namespace testing;
 
@@ -66,5 +66,5 @@ TEST(AssociateInterpolated, NeitherBridgesGapsNorReachesBeyondTheEnds) {
   EXPECT_TRUE(paired(at({1.0}), {}, Association::kInterpolated, 0.02).empty());
 }
 
-}  // namespace
+}  // namespace test_association
 }  // namespace rosefusion

@@ -9,7 +9,7 @@
 #include "tests/host/evaluation/trajectories.h"
 
 namespace rosefusion {
-namespace {
+namespace test_eval_command {
 
 using ::testing::AllOf;
 using testing::contents;
@@ -146,5 +146,5 @@ TEST_F(EvalCommand, TooFewPairsAreRefusedAndFewAreWarnedOf) {
   EXPECT_THAT(eval({estimate_, truth_}), ::testing::Not(HasSubstr("check the unit")));
 }
 
-}  // namespace
+}  // namespace test_eval_command
 }  // namespace rosefusion

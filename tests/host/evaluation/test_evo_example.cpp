@@ -7,7 +7,7 @@
 #include "host/evaluation/trajectory_error.h"
 
 namespace rosefusion {
-namespace {
+namespace test_evo_example {
 
 constexpr double kTolerance = 1e-9;  // the issue asks for 1e-6; both sides hold twelve digits
 
@@ -51,5 +51,5 @@ TEST(EvoExample, CountsTheThreeFramesThatItLeavesOut) {
   EXPECT_EQ(errors.frames, 63u);
 }
 
-}  // namespace
+}  // namespace test_evo_example
 }  // namespace rosefusion

@@ -10,7 +10,7 @@
 #include "tests/host/evaluation/trajectories.h"
 
 namespace rosefusion {
-namespace {
+namespace test_mesh_error {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -128,5 +128,5 @@ TEST(MeshError, BadMeshesAreNamed) {
   EXPECT_THAT(inputErrorOf([&] { measureMesh(flat, good, options); }), HasSubstr("no area"));
 }
 
-}  // namespace
+}  // namespace test_mesh_error
 }  // namespace rosefusion

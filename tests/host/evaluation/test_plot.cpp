@@ -10,7 +10,7 @@
 #include "tests/host/evaluation/trajectories.h"
 
 namespace rosefusion {
-namespace {
+namespace test_plot {
 
 using ::testing::AllOf;
 using testing::contents;
@@ -107,5 +107,5 @@ TEST(PlotQuoted, EscapesWhatGnuplotWouldRead) {
   EXPECT_EQ(plotQuoted("a\"b\\c\nd"), "\"a\\\"b\\\\c d\"");
 }
 
-}  // namespace
+}  // namespace test_plot
 }  // namespace rosefusion

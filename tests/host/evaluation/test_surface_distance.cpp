@@ -10,7 +10,7 @@
 #include "host/evaluation/surface_sampling.h"
 
 namespace rosefusion {
-namespace {
+namespace test_surface_distance {
 
 using Eigen::Vector3d;
 
@@ -119,5 +119,5 @@ TEST(SampleSurface, OfAPointCloudAreItsPoints) {
   EXPECT_EQ(sampleSurface(cloud, 20, 1).size(), 20u);
 }
 
-}  // namespace
+}  // namespace test_surface_distance
 }  // namespace rosefusion

@@ -10,7 +10,7 @@
 #include "tests/host/evaluation/trajectories.h"
 
 namespace rosefusion {
-namespace {
+namespace test_trajectory_error {
 
 using ::testing::HasSubstr;
 using namespace testing;
@@ -302,5 +302,5 @@ TEST(TrajectoryReport, WritesNullForWhatCouldNotBeMeasured) {
   EXPECT_THAT(toJson(measureTrajectory({}, {})).dump(), HasSubstr("\"ate_rmse_m\":null"));
 }
 
-}  // namespace
+}  // namespace test_trajectory_error
 }  // namespace rosefusion

@@ -14,7 +14,7 @@
 #include "tests/host/base/temporary_folder.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_experiments {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -142,5 +142,5 @@ TEST(Summary, CountsTheVerdicts) {
   EXPECT_EQ(summaryOf(result), "agrees in part (0 of 2 points, 1 open)");
 }
 
-}  // namespace
+}  // namespace test_experiments
 }  // namespace rosefusion::testing

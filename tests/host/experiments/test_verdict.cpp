@@ -11,7 +11,7 @@
 #include "host/experiments/verdict.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_verdict {
 
 using ::testing::HasSubstr;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -100,5 +100,5 @@ TEST(QuotedFigures, AreThoseOfThePapersTables) {
               HasSubstr("tab:comp-eth,camera_shake_3,BundleFusion,ATE mean,cm,failed,quoted from the paper"));
 }
 
-}  // namespace
+}  // namespace test_verdict
 }  // namespace rosefusion::testing

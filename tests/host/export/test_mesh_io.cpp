@@ -12,7 +12,7 @@
 #include "host/export/mesh_io.h"
 
 namespace rosefusion {
-namespace {
+namespace test_mesh_io {
 
 namespace fs = std::filesystem;
 
@@ -208,5 +208,5 @@ TEST_F(MeshIo, RefusesToWriteWhatIsNotASurface) {
   EXPECT_TRUE(fs::is_empty(folder_));
 }
 
-}  // namespace
+}  // namespace test_mesh_io
 }  // namespace rosefusion

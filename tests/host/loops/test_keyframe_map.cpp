@@ -5,7 +5,7 @@
 #include "host/loops/keyframe_map.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_keyframe_map {
 
 using ::testing::ElementsAre;
 using ::testing::Optional;
@@ -195,5 +195,5 @@ TEST(KeyframeMap, AfterALossFramesHangOntoTheNearestKeyframe) {
   EXPECT_NEAR(map.framePoses()[41].translation().y(), 0.05, 0.03);
 }
 
-}  // namespace
+}  // namespace test_keyframe_map
 }  // namespace rosefusion::testing

@@ -6,7 +6,7 @@
 #include "host/loops/keyframe_store.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_keyframe_store {
 
 Frame noisyFrame(int number, bool colour) {
   cv::RNG rng(static_cast<std::uint64_t>(number) + 1);
@@ -58,5 +58,5 @@ TEST(KeyframeStore, ThinsWhereTheWayIsDensest) {
     }
 }
 
-}  // namespace
+}  // namespace test_keyframe_store
 }  // namespace rosefusion::testing

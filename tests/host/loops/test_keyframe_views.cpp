@@ -6,7 +6,7 @@
 #include "host/loops/keyframe_views.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_keyframe_views {
 
 constexpr Intrinsics kCamera{160, 120, 80, 80, 79.5, 59.5};  // 90 degrees wide
 
@@ -63,5 +63,5 @@ TEST(KeyframeViews, PixelsWithoutDepthShareNothing) {
   EXPECT_EQ(views.overlap(1, 2, Pose::Identity()), 0);
 }
 
-}  // namespace
+}  // namespace test_keyframe_views
 }  // namespace rosefusion::testing

@@ -12,7 +12,7 @@
 #include "tests/host/sources/memory_sequence.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_loop_closure {
 
 using ::testing::HasSubstr;
 
@@ -198,5 +198,5 @@ TEST_F(LoopClosing, FramesOfKnownPoseAreRefused) {
   EXPECT_EQ(pipeline.volume().blockCount(), 0u);
 }
 
-}  // namespace
+}  // namespace test_loop_closure
 }  // namespace rosefusion::testing

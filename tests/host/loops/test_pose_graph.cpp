@@ -6,7 +6,7 @@
 #include "host/loops/pose_graph.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_pose_graph {
 
 constexpr std::size_t kPoses = 24;
 
@@ -116,5 +116,5 @@ TEST(PoseGraph, AnUncertainMotionTakesMostOfTheCorrection) {
   EXPECT_NEAR(poses[3].translation().x() - poses[2].translation().x(), 1 + 0.2 * 0.01 / 0.0103, 1e-3);
 }
 
-}  // namespace
+}  // namespace test_pose_graph
 }  // namespace rosefusion::testing

@@ -7,7 +7,7 @@
 #include "host/agreeing_places.h"
 
 namespace rosefusion {
-namespace {
+namespace test_agreeing_places {
 
 /// Patches every 15 cm of a rectangle from `corner` along two sides.
 void addRectangle(std::vector<SurfacePatch>& patches, const Eigen::Vector3d& corner, const Eigen::Vector3d& a,
@@ -124,5 +124,5 @@ TEST(AgreeingPlaces, NothingSeenOrNothingKnownHasNoPlace) {
   EXPECT_TRUE(agreeingPoses(wall, room(), rotations, 10).empty()) << "one direction alone";
 }
 
-}  // namespace
+}  // namespace test_agreeing_places
 }  // namespace rosefusion

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace rosefusion::testing {
-namespace {
+namespace test_belief {
 
 using Standing = Confirmation::Standing;
 constexpr double kShare = 0.5;
@@ -119,5 +119,5 @@ TEST(Confirmation, AFrameThatFitsNowhereEndsIt) {
   EXPECT_FALSE(c.isAwaited());
 }
 
-}  // namespace
+}  // namespace test_belief
 }  // namespace rosefusion::testing

@@ -7,7 +7,7 @@
 #include "tests/engine/validating_device.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_colour {
 
 constexpr int kFrames = 20;
 const Intrinsics kCamera{160, 120, 80, 80, 79.5, 59.5};
@@ -92,5 +92,5 @@ TEST_F(ColourTracking, WithoutColourTheSettingChangesNothing) {
   EXPECT_EQ(on.tracked, off.tracked);
 }
 
-}  // namespace
+}  // namespace test_colour
 }  // namespace rosefusion::testing

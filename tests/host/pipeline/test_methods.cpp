@@ -5,7 +5,7 @@
 #include "tests/host/pipeline/short_sequence.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_methods {
 
 /// Slow enough for the methods that only descend, and yet some way to go.
 const SynthSequence& slowSequence() {
@@ -101,5 +101,5 @@ TEST_F(MethodTest, EverySwitchOfTheAblationsChangesTheSearch) {
     EXPECT_FALSE(same(ours, track({off}))) << off;
 }
 
-}  // namespace
+}  // namespace test_methods
 }  // namespace rosefusion::testing

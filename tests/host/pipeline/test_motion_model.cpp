@@ -4,7 +4,7 @@
 #include "host/motion_model.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_motion_model {
 
 // Some double-precision operations on metres and radians.
 constexpr double kExact = 1e-12;
@@ -159,5 +159,5 @@ TEST(MotionModel, PredictedRotationsAreRotations) {
   }
 }
 
-}  // namespace
+}  // namespace test_motion_model
 }  // namespace rosefusion::testing

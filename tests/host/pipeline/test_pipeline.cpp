@@ -8,7 +8,7 @@
 #include "tests/host/pipeline/short_sequence.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_pipeline {
 
 class PipelineTest : public ValidatingDevice {
  protected:
@@ -339,5 +339,5 @@ TEST_F(PipelineTest, FullMemoryNamesTheSettingAndKeepsTheModel) {
   EXPECT_NO_THROW(pipeline.volume().download());
 }
 
-}  // namespace
+}  // namespace test_pipeline
 }  // namespace rosefusion::testing

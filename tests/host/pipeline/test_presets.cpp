@@ -7,7 +7,7 @@
 #include "tests/host/pipeline/short_sequence.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_presets {
 
 class PaperPreset : public ValidatingDevice, public ::testing::WithParamInterface<int> {};
 
@@ -65,5 +65,5 @@ TEST_P(DefaultPreset, StaysWithinThreeCentimetres) {
 
 INSTANTIATE_TEST_SUITE_P(Rooms, DefaultPreset, ::testing::Values(901, 902, 903));
 
-}  // namespace
+}  // namespace test_presets
 }  // namespace rosefusion::testing

@@ -4,7 +4,7 @@
 #include "tests/host/pipeline/short_sequence.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_preview {
 
 class Preview : public ValidatingDevice {};
 
@@ -34,5 +34,5 @@ TEST_F(Preview, AllOfThePathIsInThePicture) {
   EXPECT_LT((far.translation() - near.translation()).norm(), 20);
 }
 
-}  // namespace
+}  // namespace test_preview
 }  // namespace rosefusion::testing

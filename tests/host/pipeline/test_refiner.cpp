@@ -7,7 +7,7 @@
 #include "tests/engine/validating_device.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_refiner {
 
 constexpr VolumeOptions kVolume{.voxel_size = 0.04f, .truncation = 0.12f};
 constexpr int kFrames = 4, kStride = 4, kIterations = 30;
@@ -148,5 +148,5 @@ TEST_F(RefinerTest, CountsThePointsItReads) {
   EXPECT_EQ(refiner_->takePointsRead(), 0u);
 }
 
-}  // namespace
+}  // namespace test_refiner
 }  // namespace rosefusion::testing

@@ -12,7 +12,7 @@
 #include "tests/host/pipeline/short_sequence.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_run {
 
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
@@ -175,5 +175,5 @@ TEST_F(RunTest, RealFramesAreTracked) {
   EXPECT_LT(result.report.at("ate_rmse_m"), 0.04);
 }
 
-}  // namespace
+}  // namespace test_run
 }  // namespace rosefusion::testing

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace rosefusion::testing {
-namespace {
+namespace test_seen_through {
 
 const Intrinsics kCamera{320, 240, 250, 250, 159.5, 119.5};
 constexpr double kUnits = 1000;
@@ -109,5 +109,5 @@ TEST_F(SeenThroughTest, AGlanceForgivesADecimetre) {
   EXPECT_EQ(glance(wall(), at(20, 0, 0)), 0) << "nothing is known there";
 }
 
-}  // namespace
+}  // namespace test_seen_through
 }  // namespace rosefusion::testing

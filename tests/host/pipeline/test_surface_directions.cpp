@@ -8,7 +8,7 @@
 #include "host/surface_directions.h"
 
 namespace rosefusion {
-namespace {
+namespace test_surface_directions {
 
 const Intrinsics kCamera{320, 240, 160, 160, 159.5, 119.5};
 
@@ -106,5 +106,5 @@ TEST(SurfaceDirections, NothingIsFoundWithoutDepth) {
   EXPECT_TRUE(dominantDirections({}, 0.04, 5).empty());
 }
 
-}  // namespace
+}  // namespace test_surface_directions
 }  // namespace rosefusion

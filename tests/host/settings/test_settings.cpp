@@ -9,7 +9,7 @@
 #include "tests/host/base/temporary_folder.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_settings {
 
 using ::testing::HasSubstr;
 
@@ -89,5 +89,5 @@ TEST(Settings, CombinationsAreChecked) {
   EXPECT_THAT(inputErrorOf([&] { requireConsistent(settings); }), HasSubstr("depth.min"));
 }
 
-}  // namespace
+}  // namespace test_settings
 }  // namespace rosefusion::testing

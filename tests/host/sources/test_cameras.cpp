@@ -4,7 +4,7 @@
 #include "tests/host/base/temporary_folder.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_cameras {
 
 using ::testing::HasSubstr;
 
@@ -41,5 +41,5 @@ TEST(Cameras, RefuseWhatOnlyRecordingsCanDo) {
   EXPECT_THAT(inputErrorOf([&] { openSource("openni2:", options); }), HasSubstr("--realtime"));
 }
 
-}  // namespace
+}  // namespace test_cameras
 }  // namespace rosefusion::testing

@@ -9,7 +9,7 @@
 #include "tests/host/sources/memory_sequence.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_image_codec {
 
 namespace fs = std::filesystem;
 
@@ -109,5 +109,5 @@ TEST(ImageCodec, RealDepthShrinksToAThird) {
   EXPECT_GT(raw / packed, 3);
 }
 
-}  // namespace
+}  // namespace test_image_codec
 }  // namespace rosefusion::testing

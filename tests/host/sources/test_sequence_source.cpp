@@ -5,7 +5,7 @@
 #include "tests/host/sources/memory_sequence.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_sequence_source {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
@@ -68,5 +68,5 @@ TEST(SequenceSource, WaitingEndsWhenStopped) {
   EXPECT_LT(Clock::now() - start, 5s);
 }
 
-}  // namespace
+}  // namespace test_sequence_source
 }  // namespace rosefusion::testing

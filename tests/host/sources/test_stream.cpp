@@ -14,7 +14,7 @@
 #include "tests/host/sources/memory_sequence.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_stream {
 
 using namespace std::chrono_literals;
 using ::testing::Contains;
@@ -396,5 +396,5 @@ TEST_F(EncryptedStream, UnusableKeyFilesAreNamed) {
   EXPECT_THAT(inputErrorOf([&] { StreamReceiver(kAnyPort, half); }), HasSubstr("missing.public"));
 }
 
-}  // namespace
+}  // namespace test_stream
 }  // namespace rosefusion::testing

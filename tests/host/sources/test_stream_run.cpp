@@ -9,7 +9,7 @@
 #include "tests/host/sources/memory_sequence.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_stream_run {
 
 class StreamRun : public ValidatingDevice {
  protected:
@@ -45,5 +45,5 @@ TEST_F(StreamRun, BrokenConnectionsDoNotChangeTheTrajectory) {
   }
 }
 
-}  // namespace
+}  // namespace test_stream_run
 }  // namespace rosefusion::testing

@@ -6,7 +6,7 @@
 #include "host/sources/wire.h"
 
 namespace rosefusion::testing {
-namespace {
+namespace test_wire {
 
 using namespace wire;
 using ::testing::HasSubstr;
@@ -128,5 +128,5 @@ TEST(Wire, AnswersAreTakenForTheOwnSessionOnly) {
   EXPECT_FALSE(parseAnswer(std::span(whole).first(31), 5).ack);
 }
 
-}  // namespace
+}  // namespace test_wire
 }  // namespace rosefusion::testing

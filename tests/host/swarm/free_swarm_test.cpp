@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 namespace rosefusion {
-namespace {
+namespace free_swarm_test {
 
 constexpr double kExact = 1e-12;
 
@@ -186,5 +186,5 @@ TEST(FreeSwarm, BothFindTheOptimumOfASmoothLossRepeatably) {
   }
 }
 
-}  // namespace
+}  // namespace free_swarm_test
 }  // namespace rosefusion

@@ -7,7 +7,7 @@
 #include "host/swarm/swarm_update.h"
 
 namespace rosefusion {
-namespace {
+namespace swarm_convergence_test {
 
 // Mean psi^2 of a scene as a bounded quadratic: a point moves by the pose's shift plus its rotation at 1.5 m
 // distance, and everything is truncated once that reaches 0.3 m (three times a truncation of 0.1 m).
@@ -106,5 +106,5 @@ TEST_F(SwarmConvergence, GivesTheSameBitsTwice) {
   EXPECT_EQ(once.iteration, again.iteration);
 }
 
-}  // namespace
+}  // namespace swarm_convergence_test
 }  // namespace rosefusion

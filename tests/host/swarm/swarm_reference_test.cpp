@@ -13,7 +13,7 @@
 #include "host/swarm/swarm_update.h"
 
 namespace rosefusion {
-namespace {
+namespace swarm_reference_test {
 
 SwarmTemplate fiveParticles() {
   return {{{0, 0, 0, 0, 0, 0},
@@ -187,5 +187,5 @@ INSTANTIATE_TEST_SUITE_P(
         Perturbation{"minimum_move", [](SwarmSettings& s) { s.minimum_move = 0.2; }}),
     [](const auto& instance) { return instance.param.name; });
 
-}  // namespace
+}  // namespace swarm_reference_test
 }  // namespace rosefusion

@@ -11,7 +11,7 @@
 #include "host/error.h"
 
 namespace rosefusion {
-namespace {
+namespace swarm_update_test {
 
 using testing::HasSubstr;
 
@@ -307,5 +307,5 @@ TEST(SwarmSettings, NamesTheFieldThatIsOutOfRange) {
   EXPECT_THAT(complaint([](SwarmSettings& s) { s.max_iterations = 0; }), HasSubstr("swarm.max_iterations"));
 }
 
-}  // namespace
+}  // namespace swarm_update_test
 }  // namespace rosefusion

@@ -12,7 +12,7 @@
 #include "host/error.h"
 
 namespace rosefusion {
-namespace {
+namespace template_file_test {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -229,5 +229,5 @@ TEST(DefaultTemplateCache, FollowsTheXdgSpecification) {
   set("XDG_CACHE_HOME", xdg.second ? xdg.first.c_str() : nullptr);
 }
 
-}  // namespace
+}  // namespace template_file_test
 }  // namespace rosefusion

@@ -13,7 +13,7 @@
 #include "host/swarm/template_statistics.h"
 
 namespace rosefusion {
-namespace {
+namespace template_sampling_test {
 
 using testing::HasSubstr;
 
@@ -217,5 +217,5 @@ TEST(TemplatePlot, DrawsAllFifteenProjections) {
     }
 }
 
-}  // namespace
+}  // namespace template_sampling_test
 }  // namespace rosefusion

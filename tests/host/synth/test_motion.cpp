@@ -12,7 +12,7 @@
 #include "tests/host/synth/small_options.h"
 
 namespace rosefusion {
-namespace {
+namespace test_motion {
 
 class SixDof : public ::testing::TestWithParam<int> {};
 
@@ -215,5 +215,5 @@ TEST(Options, AbsurdOnesAreRefusedByName) {
   EXPECT_THAT(complaint([](auto& o) { o.mesh_file = "/nowhere/room.ply"; }), HasSubstr("/nowhere/room.ply"));
 }
 
-}  // namespace
+}  // namespace test_motion
 }  // namespace rosefusion

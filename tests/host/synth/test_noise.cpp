@@ -8,7 +8,7 @@
 #include "host/synth/noise.h"
 
 namespace rosefusion {
-namespace {
+namespace test_noise {
 
 struct Moments {
   double mean = 0, sigma = 0;
@@ -131,5 +131,5 @@ TEST(ColourNoise, IsNormalAndLeavesTheMean) {
   }
 }
 
-}  // namespace
+}  // namespace test_noise
 }  // namespace rosefusion

@@ -9,7 +9,7 @@
 #include "host/synth/shapes.h"
 
 namespace rosefusion {
-namespace {
+namespace test_renderer {
 
 constexpr Intrinsics kCamera{64, 48, 32, 32, 31.5, 23.5};
 
@@ -132,5 +132,5 @@ TEST(Shapes, SolidsFaceOutwards) {
   EXPECT_NEAR(volume(), 4.18879 * 0.06, 0.01);
 }
 
-}  // namespace
+}  // namespace test_renderer
 }  // namespace rosefusion

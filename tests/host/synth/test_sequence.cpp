@@ -17,7 +17,7 @@
 #include "tests/host/synth/small_options.h"
 
 namespace rosefusion {
-namespace {
+namespace test_sequence {
 
 namespace fs = std::filesystem;
 
@@ -274,5 +274,5 @@ TEST_F(Folder, MeshesThatAreNoRoomsAreRefused) {
   EXPECT_THAT(complaint(root_ / "open.ply"), HasSubstr("no free space"));
 }
 
-}  // namespace
+}  // namespace test_sequence
 }  // namespace rosefusion
