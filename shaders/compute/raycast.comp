@@ -25,9 +25,9 @@ READ_WORDS(tileWord, kRaycastBindTiles)
 READ_WORDS(solidEntry, kRaycastBindSolid)
 layout(std430, binding = kRaycastBindDepth) writeonly restrict buffer Depth { float depth[]; };
 
-// Loops test at their end. llvmpipe knows no branch but a loop's back to its begin: with the test at the head it runs
-// the body once more, all lanes masked, and what stands behind an `if` it always runs. What a loop reads and later code
-// needs is put into a variable where the loop is left: elsewhere a later lane's turn overwrites it (22.3).
+// For llvmpipe, which branches only from a loop's end to its begin and runs all else with lanes masked: loops test at
+// their end, for with the test at the head the body runs once more for nothing; and what a loop reads and later code needs
+// is kept in a variable set where the loop is left, for the turns of other lanes overwrite the rest (Mesa 22.3).
 const float kStepShare = 0.8;   // of the stored distance, which a slanted view makes too long
 // Voxels. With one more at both ends, their cells and the normal's neighbours the voxels read then lie at most 8 apart:
 // in one patch of blocks.
@@ -84,9 +84,9 @@ struct Hit {
 
 // Samples along a ray, one at a time.
 struct Walk {
-  float t;      // of the last sample
-  float value;  // behind the surface where it crosses one
-  bool front;      // the sample before it, at front_t, was positive
+  float t;        // of the last one
+  float value;    // of the last one behind a surface
+  bool front;     // whether the one before, at front_t, was in front
   float front_t;
 };
 
@@ -95,7 +95,7 @@ bool crosses(Ray ray, float end, float band, inout Walk walk) {
   bool found = false;
   do {
     uint slot = 0u;
-    do {
+    do {  // empty blocks
       ivec3 entry = ivec3(at(ray, walk.t)) >> 3;
       uint here = solidAt(clampToTable(entry));
       if (here != 0u) {
@@ -121,8 +121,7 @@ bool crosses(Ray ray, float end, float band, inout Walk walk) {
   return found;
 }
 
-// The surface between the walk's last two samples; none where a voxel there was never observed, or the ray passes by.
-// `observed`: its voxels were.
+// The surface between the walk's last two samples; none where not all voxels there were `observed`, or the ray passes by.
 Hit surfaceBetween(Ray ray, float band, Walk walk, out bool observed) {
   float front_t = max(walk.front_t, walk.t - kLongestStep);  // farther after a candidate that was none
   ivec3 voxel = ivec3(at(ray, front_t));

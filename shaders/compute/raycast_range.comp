@@ -44,10 +44,11 @@ void main() {
 
   ivec2 low = ivec2(0), high = params.size.xy - 1;
   vec2 least = vec2(1e30), most = vec2(-1e30), size = vec2(params.size.xy) * float(kRaycastTile);
+  // Whether all corners lie beside the image. Most blocks across the camera's plane do.
   bvec2 before = bvec2(true), beyond = bvec2(true);
   for (int i = 0; i < 8; ++i) {
     vec3 p = corner + mat3(params.camera_from_world) * (vec3(ivec3(i) >> ivec3(0, 1, 2) & 1) * side);
-    vec2 scaled = params.focal_centre.xy * p.xy + params.focal_centre.zw * p.z;  // the pixel times the depth
+    vec2 scaled = params.focal_centre.xy * p.xy + params.focal_centre.zw * p.z;  // pixel times depth
     before = bvec2(uvec2(before) & uvec2(lessThan(scaled, vec2(-p.z))));
     beyond = bvec2(uvec2(beyond) & uvec2(greaterThan(scaled, size * p.z)));
     least = min(least, scaled / p.z);

@@ -1,6 +1,7 @@
 // Buffers that a shader only reads, each behind a function NAME(i): READ_WORDS, READ_FLOATS and READ_VECTORS (of four
-// floats) declare one; READ_QUADS words that NAMEQuad(i) also reads four at a time. With READ_TEXELS they are texel buffers: llvmpipe gathers texels for all lanes at once, where it
-// loads from a storage buffer lane by lane and puts the vector together in memory.
+// floats) declare one; READ_QUADS declares words that NAMEQuad(i) reads four at a time. With READ_TEXELS they are texel
+// buffers: llvmpipe gathers texels for all lanes at once, where it loads from a storage buffer lane by lane and puts the
+// vector together in memory.
 #ifndef ROSEFUSION_READ
 #define ROSEFUSION_READ
 #ifdef READ_TEXELS
