@@ -3,7 +3,7 @@
 
 namespace rosefusion::cli {
 
-/// Thrown by a subcommand, caught in main.cpp only.
+/// Thrown by a subcommand; main.cpp ends the program with it.
 struct ExitCode {
   explicit ExitCode(int code_) : code(code_) {}
   int code;

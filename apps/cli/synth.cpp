@@ -7,7 +7,11 @@
 #include <optional>
 #include <string>
 
+#include <spdlog/spdlog.h>
+
 #include "apps/cli/commands.h"
+#include "apps/cli/exit_code.h"
+#include "apps/cli/interrupt.h"
 #include "apps/cli/progress.h"
 #include "host/error.h"
 #include "host/synth/tum_writer.h"
@@ -70,11 +74,16 @@ void run(Arguments& a) {
   const SynthPlan plan(a.options);
   if (a.frames_given && static_cast<int>(plan.truth().size()) < a.options.frames)
     std::fprintf(stderr, "the recording ends after %zu frames\n", plan.truth().size());
-  {
+  catchInterrupts();
+  try {
     Progress progress("frames");
     writeTumSequence(a.out, plan, a.force, [&](int done, int total) {
+      if (interrupted()) throw ExitCode(kExitInterrupted);
       progress.update(static_cast<std::size_t>(done), static_cast<std::size_t>(total));
     });
+  } catch (const ExitCode&) {
+    spdlog::warn("Interrupted; nothing of the sequence is kept.");
+    throw;
   }
   const MotionStatistics s = plan.statistics();
   if (a.json != "-")

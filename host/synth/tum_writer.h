@@ -15,7 +15,8 @@ void requireUsableOutput(const std::filesystem::path& folder, bool force);
 /// calibration.txt (fx fy cx cy), mesh.ply (the true surface), mesh_seen.ply (what of it the camera saw),
 /// with colour rgb/*.png and rgb.txt, and synth.json. Written beside `folder` as FOLDER.part and renamed at
 /// the end, so that a folder that is there is whole; with `force` it replaces what is there.
-/// `progress`(frames done, of) may be called by any thread, one at a time.
+/// `progress`(frames done, of) may be called by any thread, one at a time; what it throws ends the work, and
+/// nothing of it is left.
 void writeTumSequence(const std::filesystem::path& folder, const SynthPlan& plan, bool force,
                       const std::function<void(int, int)>& progress = {});
 
