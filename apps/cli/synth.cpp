@@ -1,13 +1,13 @@
 // rosefusion synth: makes a sequence with known truth.
 
+#include <spdlog/spdlog.h>
+
 #include <chrono>
 #include <cstdio>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
-
-#include <spdlog/spdlog.h>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/exit_code.h"
@@ -171,7 +171,8 @@ void addSynthCommand(CLI::App& app) {
       "  rosefusion synth out/faster --seed 7 --max-speed 6 --max-angular 4\n"
       "  rosefusion synth out/line --motion linear --noise none\n"
       "  rosefusion synth out/house --mesh house.ply --frames 10000 --loops 8\n"
-      "  rosefusion synth out/desk3x --replay groundtruth.txt --replay-speed 3");
+      "  rosefusion synth out/desk3x --replay groundtruth.txt --replay-speed 3\n"
+      "Exit codes: 0 finished, 2 bad input, 130 interrupted (nothing of the sequence is kept).");
   c->callback([a] { run(*a); });
 }
 

@@ -156,10 +156,8 @@ Hit firstHit(Ray ray, float begin, float end) {
   Walk walk = Walk(begin, 1.0, false, begin);
   Hit hit = Hit(-1.0, vec3(0.0));
   int candidates = 0;
-  bool found;
   do {
-    found = crosses(ray, end, band, walk);
-    if (!found) break;
+    if (!crosses(ray, end, band, walk)) break;
     bool observed;
     hit = surfaceBetween(ray, band, walk, observed);
     walk.front = observed;

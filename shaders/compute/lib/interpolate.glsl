@@ -1,5 +1,5 @@
 // Continuous versions of the stored TSDF and colour; include after lib/volume.glsl with VOLUME_TABLE and VOLUME_TSDF or
-// VOLUME_COLOUR or both.
+// VOLUME_COLOUR or both, and VOLUME_TSDF_QUADS or VOLUME_COLOUR_QUADS beside it: without, a cube is read word by word.
 // Positions are in voxels from the table's corner, where voxel i has its centre at i + 0.5, and must stay two voxels
 // inside the table. Derivatives are per voxel.
 
@@ -30,10 +30,9 @@ uvec4 slotsWithin(uvec4 layer, bvec2 l, bvec2 h) {
 #ifdef VOLUME_TSDF
 // Values of the 8 voxels around a position.
 struct Cell {
-  vec4 low;   // z of `voxel`: (x0 y0, x1 y0, x0 y1, x1 y1)
-  vec4 high;  // one further
+  vec4 low;   // (x0 y0, x1 y0, x0 y1, x1 y1)
+  vec4 high;  // the same one further along z
   vec3 fraction;
-  ivec3 voxel;
 };
 
 // 4 x 4 x 4 voxels: 2 x 2 x 2 cubes of 2 x 2 x 2, x fastest.
@@ -63,10 +62,10 @@ uvec4 layerOf(Window window, int k, int second, bool odd) { return odd ? layerOf
 Cell cellIn(Patch slots, vec3 position) {
   vec3 corner = floor(position - 0.5);
   Cell cell;
-  cell.voxel = ivec3(corner);
   cell.fraction = position - 0.5 - corner;
-  Window window = windowIn(slots, cell.voxel >> 1);
-  bvec3 odd = notEqual(cell.voxel & 1, ivec3(0));
+  ivec3 voxel = ivec3(corner);
+  Window window = windowIn(slots, voxel >> 1);
+  bvec3 odd = notEqual(voxel & 1, ivec3(0));
   vec4 layers[2];
   [[unroll]] for (int k = 0; k < 2; ++k) {
     uvec4 first = layerOf(window, k, 0, odd.z), second = layerOf(window, k, 1, odd.z);
