@@ -20,7 +20,7 @@
 namespace rosefusion::cli {
 namespace {
 
-struct Options {
+struct BenchArguments {
   std::string config = "default";
   std::vector<std::string> assignments;
   std::string device;
@@ -37,7 +37,7 @@ struct Options {
   std::map<std::string, std::vector<CLI::Option*>> of_suite;  // options that not every suite knows
 };
 
-Settings settingsFor(const Options& o) {
+Settings settingsFor(const BenchArguments& o) {
   Settings settings = loadSettings(o.config);
   if (o.suite == "passes") settings.volume.colour = false;  // as its yardsticks
   for (const std::string& assignment : o.assignments) applyAssignment(settings, assignment);
@@ -45,7 +45,7 @@ Settings settingsFor(const Options& o) {
   return settings;
 }
 
-void benchPassesOf(Options& o) {
+void benchPassesOf(BenchArguments& o) {
   o.passes.settings = settingsFor(o);
   o.passes.frames = o.frames.value_or(o.passes.frames);
   if (o.passes.frames > 1000)
@@ -58,7 +58,7 @@ void benchPassesOf(Options& o) {
   writeJson(o.json, benchJson(report).dump(2));
 }
 
-void benchTracking(Options& o) {
+void benchTracking(BenchArguments& o) {
   TrackingSuiteOptions& t = o.tracking;
   t.settings = settingsFor(o);
   t.settings_name = o.config;
@@ -92,7 +92,7 @@ void benchTracking(Options& o) {
   throw ExitCode(kExitInterrupted);
 }
 
-void benchNetworkOf(Options& o) {
+void benchNetworkOf(BenchArguments& o) {
   if (o.tracking.sequences.size() != 1)
     throw InputError("--suite network sends one recorded sequence; name it with --sequence.");
   const auto sequence = openSequence(o.tracking.sequences.front());
@@ -101,7 +101,7 @@ void benchNetworkOf(Options& o) {
   writeJson(o.json, networkJson(report).dump(2));
 }
 
-void bench(Options& o) {
+void bench(BenchArguments& o) {
   const auto& known = o.of_suite[o.suite];
   for (const auto& [suite, options] : o.of_suite)
     for (CLI::Option* option : options)
@@ -113,7 +113,7 @@ void bench(Options& o) {
   o.suite == "tracking" ? benchTracking(o) : benchPassesOf(o);
 }
 
-void addPassOptions(CLI::App& c, Options& o) {
+void addPassOptions(CLI::App& c, BenchArguments& o) {
   const std::string group = "--suite passes";
   o.of_suite["passes"] = {
       c.add_option("--repeat", o.passes.repeat, "Measurements of each figure; the median is reported")
@@ -122,7 +122,7 @@ void addPassOptions(CLI::App& c, Options& o) {
           ->group(group)};
 }
 
-void addTrackingOptions(CLI::App& c, Options& o) {
+void addTrackingOptions(CLI::App& c, BenchArguments& o) {
   TrackingSuiteOptions& t = o.tracking;
   auto& options = o.of_suite["tracking"] = {
       c.add_option("--rooms", t.rooms, "Flights through generated rooms, one for each seed from --seed on")
@@ -161,7 +161,7 @@ void addTrackingOptions(CLI::App& c, Options& o) {
 }  // namespace
 
 void addBenchCommand(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<BenchArguments>();
   CLI::App* c = app.add_subcommand(
       "bench",
       "Time the passes beside a tuned CPU loop over the same data, or measure how accurate tracking is over "

@@ -19,7 +19,7 @@
 namespace rosefusion::cli {
 namespace {
 
-struct Options {
+struct RunArguments {
   SourceArguments source;
   std::string out;
   std::string config = "default";
@@ -29,7 +29,7 @@ struct Options {
   bool validation = false;
 };
 
-Settings settingsFor(const Options& o) {
+Settings settingsFor(const RunArguments& o) {
   Settings settings = loadSettings(o.config);
   for (const std::string& assignment : o.assignments) applyAssignment(settings, assignment);
   requireConsistent(settings);
@@ -41,7 +41,7 @@ bool isSame(const std::filesystem::path& a, const std::filesystem::path& b) {
   return std::filesystem::equivalent(a, b, error);
 }
 
-std::string outputFolder(const Options& o) {
+std::string outputFolder(const RunArguments& o) {
   if (!o.out.empty()) return o.out;
   if (isLiveSource(o.source.source)) return "out/live";
   std::filesystem::path sequence = std::filesystem::absolute(o.source.source).lexically_normal();
@@ -111,7 +111,7 @@ void printSummary(std::FILE* to, const RunSummary& summary, const SequenceInfo& 
                    "depth.max and volume.voxel_size.");
 }
 
-void run(const Options& o) {
+void run(const RunArguments& o) {
   const Settings settings = settingsFor(o);
   const bool live = isLiveSource(o.source.source);
   if (live) catchInterrupts();  // before a recording begins, Ctrl-C just ends the program
@@ -160,7 +160,7 @@ void run(const Options& o) {
 }  // namespace
 
 void addRunCommand(CLI::App& app) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand(
       "run", "Reconstruct a depth sequence, camera or stream: trajectory, mesh, preview picture and report");
   o->source.addTo(*command);

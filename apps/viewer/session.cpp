@@ -13,17 +13,17 @@
 namespace rosefusion::viewer {
 namespace {
 
-constexpr double kNearest = 0.4, kFarthest = 6;      // metres: the ends of the depth image's colours
-constexpr std::size_t kShownParticles = 300;         // of each iteration
-constexpr auto kReadable = std::chrono::seconds(3);  // what was said stays while frames come
+constexpr double kNearestDepth = 0.4, kFarthestDepth = 6;  // metres: the ends of the depth image's colours
+constexpr std::size_t kShownParticles = 300;               // of each iteration
+constexpr auto kReadable = std::chrono::seconds(3);        // what was said stays while frames come
 constexpr auto kGivesWay = std::chrono::seconds(1), kSilence = std::chrono::seconds(2);
 
 /// Near is red, far is blue; no depth is black.
 cv::Mat colouredDepth(const cv::Mat& depth, double units_per_metre) {
   cv::Mat small, bytes, bgr, rgba;
   cv::resize(depth, small, {}, 0.5, 0.5, cv::INTER_NEAREST);
-  const double scale = 255 / ((kFarthest - kNearest) * units_per_metre);
-  small.convertTo(bytes, CV_8U, -scale, 255 + kNearest * units_per_metre * scale);
+  const double scale = 255 / ((kFarthestDepth - kNearestDepth) * units_per_metre);
+  small.convertTo(bytes, CV_8U, -scale, 255 + kNearestDepth * units_per_metre * scale);
   cv::applyColorMap(bytes, bgr, cv::COLORMAP_TURBO);
   bgr.setTo(cv::Scalar(0, 0, 0), (small == 0) | (small == 65535));
   cv::cvtColor(bgr, rgba, cv::COLOR_BGR2RGBA);

@@ -5,17 +5,18 @@
 namespace rosefusion::datasets {
 namespace {
 
-bool matches(const std::filesystem::path& folder) {
+bool matchesEth3d(const std::filesystem::path& folder) {
   return std::filesystem::is_regular_file(folder / "calibration.txt") &&
          std::filesystem::is_regular_file(folder / "associated.txt");
 }
 
-Listing list(const std::filesystem::path& folder) {
+Listing listEth3d(const std::filesystem::path& folder) {
   return listTumLayout(folder, kEth3dReader.format, {});
 }
 
 }  // namespace
 
-const Reader kEth3dReader{"ETH3D SLAM", "calibration.txt with associated.txt (ETH3D)", matches, list};
+const Reader kEth3dReader{"ETH3D SLAM", "calibration.txt with associated.txt (ETH3D)", matchesEth3d,
+                          listEth3d};
 
 }  // namespace rosefusion::datasets

@@ -11,7 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// TUM folders have the same associations, but also depth.txt, a calibration, or a name that gives them away.
-bool matches(const fs::path& folder) {
+bool matchesFastCaMo(const fs::path& folder) {
   const fs::path file = findAssociationFile(folder);
   if (file.empty() || fs::exists(folder / "depth.txt") || fs::exists(folder / "calibration.txt"))
     return false;
@@ -24,7 +24,7 @@ bool matches(const fs::path& folder) {
   }
 }
 
-Listing list(const fs::path& folder) {
+Listing listFastCaMo(const fs::path& folder) {
   Listing listing{.format = kFastCaMoReader.format, .path = folder, .depth_units_per_metre = 1000};
   listing.camera = {{640, 480, 320.0, 320.0, 319.5, 239.5}, "the FastCaMo convention", true};
   listing.frames = readAssociations(findAssociationFile(folder), listing.warnings).frames;
@@ -42,6 +42,7 @@ Listing list(const fs::path& folder) {
 
 }  // namespace
 
-const Reader kFastCaMoReader{"FastCaMo", "associations.txt, colour first (FastCaMo)", matches, list};
+const Reader kFastCaMoReader{"FastCaMo", "associations.txt, colour first (FastCaMo)", matchesFastCaMo,
+                             listFastCaMo};
 
 }  // namespace rosefusion::datasets

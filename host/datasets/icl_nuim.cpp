@@ -10,8 +10,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kFramesPerSecond = 30;
-
 fs::path findTruth(const fs::path& folder) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored))
@@ -19,7 +17,7 @@ fs::path findTruth(const fs::path& folder) {
   return folder / "groundtruth.txt";
 }
 
-bool matches(const fs::path& folder) {
+bool matchesIclNuim(const fs::path& folder) {
   const fs::path file = findAssociationFile(folder);
   if (file.empty() || fs::exists(folder / "depth.txt")) return false;
   if (findTruth(folder).extension() == ".freiburg") return true;
@@ -33,7 +31,7 @@ bool matches(const fs::path& folder) {
   }
 }
 
-Listing list(const fs::path& folder) {
+Listing listIclNuim(const fs::path& folder) {
   Listing listing{.format = kIclNuimReader.format, .path = folder, .depth_units_per_metre = 5000};
   const CameraSource camera{
       {640, 480, 481.2, -480.0, 319.5, 239.5}, "the ICL-NUIM convention (negative fy)", true};
@@ -49,6 +47,7 @@ Listing list(const fs::path& folder) {
 
 }  // namespace
 
-const Reader kIclNuimReader{"ICL-NUIM", "associations.txt with *.gt.freiburg (ICL-NUIM)", matches, list};
+const Reader kIclNuimReader{"ICL-NUIM", "associations.txt with *.gt.freiburg (ICL-NUIM)", matchesIclNuim,
+                            listIclNuim};
 
 }  // namespace rosefusion::datasets

@@ -10,6 +10,9 @@
 
 namespace rosefusion::datasets {
 
+/// Of the formats that number their frames instead of stamping them: they are the Kinect's.
+inline constexpr double kFramesPerSecond = 30;
+
 struct FrameFiles {
   double timestamp = 0;
   std::filesystem::path depth;

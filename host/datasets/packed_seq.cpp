@@ -12,7 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kFramesPerSecond = 30;
 constexpr std::uint64_t kHeaderBytes = 3 * sizeof(std::int32_t);
 
 class PackedSequence : public Sequence {

@@ -91,11 +91,11 @@ double stampFromName(const fs::path& file, const fs::path& yaml) {
   return stamp;
 }
 
-bool matches(const fs::path& folder) {
+bool matchesPngFolder(const fs::path& folder) {
   return fs::is_regular_file(folder / "sequence.yaml");
 }
 
-Listing list(const fs::path& folder) {
+Listing listPngFolder(const fs::path& folder) {
   const fs::path yaml = folder / "sequence.yaml";
   YAML::Node node;
   try {
@@ -149,6 +149,7 @@ Listing list(const fs::path& folder) {
 
 }  // namespace
 
-const Reader kPngFolderReader{"PNG folder", "sequence.yaml (any folder of PNGs)", matches, list};
+const Reader kPngFolderReader{"PNG folder", "sequence.yaml (any folder of PNGs)", matchesPngFolder,
+                              listPngFolder};
 
 }  // namespace rosefusion::datasets

@@ -14,9 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kFramesPerSecond = 30;
-
-bool matches(const fs::path& folder) {
+bool matchesReplica(const fs::path& folder) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder / "results", ignored))
     if (digitsBetween(entry.path().filename().string(), "depth", ".png")) return true;
@@ -64,7 +62,7 @@ void readPoses(Listing& listing) {
   if (skipped > 0) listing.warnings.push_back(skippedLines(file, skipped, first));
 }
 
-Listing list(const fs::path& folder) {
+Listing listReplica(const fs::path& folder) {
   Listing listing{.format = kReplicaReader.format, .path = folder};
   readCamera(listing);
   for (const auto& entry : fs::directory_iterator(folder / "results")) {
@@ -82,6 +80,7 @@ Listing list(const fs::path& folder) {
 
 }  // namespace
 
-const Reader kReplicaReader{"Replica (NICE-SLAM)", "results/depthNNNNNN.png (Replica)", matches, list};
+const Reader kReplicaReader{"Replica (NICE-SLAM)", "results/depthNNNNNN.png (Replica)", matchesReplica,
+                            listReplica};
 
 }  // namespace rosefusion::datasets

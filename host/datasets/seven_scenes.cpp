@@ -11,11 +11,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kFramesPerSecond = 30;
 constexpr const char* kPrefix = "frame-";
 constexpr const char* kDepthEnding = ".depth.png";
 
-bool matches(const fs::path& folder) {
+bool matchesSevenScenes(const fs::path& folder) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored))
     if (digitsBetween(entry.path().filename().string(), kPrefix, kDepthEnding)) return true;
@@ -66,7 +65,7 @@ void readPoses(Listing& listing) {
                                " frames have no .pose.txt.");
 }
 
-Listing list(const fs::path& folder) {
+Listing listSevenScenes(const fs::path& folder) {
   Listing listing{.format = kSevenScenesReader.format, .path = folder, .depth_units_per_metre = 1000};
   listing.camera = readCamera(folder);
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -87,6 +86,7 @@ Listing list(const fs::path& folder) {
 
 }  // namespace
 
-const Reader kSevenScenesReader{"7-Scenes", "frame-NNNNNN.depth.png (7-Scenes)", matches, list};
+const Reader kSevenScenesReader{"7-Scenes", "frame-NNNNNN.depth.png (7-Scenes)", matchesSevenScenes,
+                                listSevenScenes};
 
 }  // namespace rosefusion::datasets

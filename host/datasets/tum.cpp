@@ -82,11 +82,11 @@ void addColour(const fs::path& folder, Listing& listing) {
   }
 }
 
-bool matches(const fs::path& folder) {
+bool matchesTum(const fs::path& folder) {
   return fs::is_regular_file(folder / "depth.txt") || !findAssociationFile(folder).empty();
 }
 
-Listing list(const fs::path& folder) {
+Listing listTum(const fs::path& folder) {
   Listing listing = listTumLayout(folder, kTumReader.format, conventionalCamera(folder));
   addPublishedLens(listing.camera);
   return listing;
@@ -108,6 +108,6 @@ Listing listTumLayout(const fs::path& folder, const std::string& format, const C
   return listing;
 }
 
-const Reader kTumReader{"TUM RGB-D", "depth.txt or associations.txt (TUM RGB-D)", matches, list};
+const Reader kTumReader{"TUM RGB-D", "depth.txt or associations.txt (TUM RGB-D)", matchesTum, listTum};
 
 }  // namespace rosefusion::datasets

@@ -34,7 +34,7 @@ bool isFastRoom(const TestSequence& s) {
   return s.name.starts_with("room_") && !s.name.ends_with("slow");
 }
 
-int work(const ExperimentContext& context) {
+int workAccuracy(const ExperimentContext& context) {
   int frames = 0;
   for (const TestSequence& s : sequencesOf(context)) frames += static_cast<int>(s.frames * methods().size());
   return frames;
@@ -198,12 +198,13 @@ ExperimentResult runFrames(const ExperimentContext& context) {
 }  // namespace
 
 Experiment accuracy() {
-  return {"accuracy", "Accuracy by sequence", "Tables comp-icl, comp-eth and comp-fcm-synth", work,
+  return {"accuracy", "Accuracy by sequence", "Tables comp-icl, comp-eth and comp-fcm-synth", workAccuracy,
           runAccuracy};
 }
 
 Experiment frames() {
-  return {"frames", "Frames under a tolerance", "Figures comp-plot-eth3d and comp-plot-fcm", work, runFrames};
+  return {"frames", "Frames under a tolerance", "Figures comp-plot-eth3d and comp-plot-fcm", workAccuracy,
+          runFrames};
 }
 
 }  // namespace rosefusion

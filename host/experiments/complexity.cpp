@@ -19,7 +19,7 @@ std::vector<int> strides(const ExperimentContext& context) {
   return context.options.quick ? std::vector<int>{4, 8, 16} : std::vector<int>{8, 16, 32};
 }
 
-int work(const ExperimentContext& context) {
+int workComplexity(const ExperimentContext& context) {
   return static_cast<int>(kParticles.size() * strides(context).size());
 }
 
@@ -36,7 +36,7 @@ std::vector<glm::vec4> ball(int particles, std::uint64_t seed) {
   return out;
 }
 
-ExperimentResult run(const ExperimentContext& context) {
+ExperimentResult runComplexity(const ExperimentContext& context) {
   const bool cpu = context.device.info().type == DeviceType::Cpu;
   const int repeats = context.amount(15, 9);
   SynthOptions synth = experimentSynth(context, 12, 12);
@@ -118,7 +118,7 @@ ExperimentResult run(const ExperimentContext& context) {
 }  // namespace
 
 Experiment complexity() {
-  return {"complexity", "Time per iteration", "Figure plot-complexity", work, run};
+  return {"complexity", "Time per iteration", "Figure plot-complexity", workComplexity, runComplexity};
 }
 
 }  // namespace rosefusion

@@ -250,7 +250,7 @@ void plotLandscape(ResultWriter& out, const ExperimentContext& context, const Se
            "projected onto it.");
 }
 
-ExperimentResult run(const ExperimentContext& context) {
+ExperimentResult runInside(const ExperimentContext& context) {
   SynthOptions synth = experimentSynth(context, 40, 24);
   synth.seed = 601;
   synth.ramp = 0.1;
@@ -310,7 +310,7 @@ ExperimentResult run(const ExperimentContext& context) {
 
 Experiment inside() {
   return {"inside", "Inside one search", "Figures plot-2d-opt and plot-3d-opt",
-          [](const ExperimentContext&) { return 60; }, run};
+          [](const ExperimentContext&) { return 60; }, runInside};
 }
 
 }  // namespace rosefusion

@@ -39,12 +39,12 @@ Resolutions resolutions(const ExperimentContext& context) {
   return out;
 }
 
-int work(const ExperimentContext& context) {
+int workMultires(const ExperimentContext& context) {
   const Resolutions r = resolutions(context);
   return static_cast<int>(r.rooms.size() * r.rooms[0].frames * r.variants.size());
 }
 
-ExperimentResult run(const ExperimentContext& context) {
+ExperimentResult runMultires(const ExperimentContext& context) {
   const auto [rooms, variants] = resolutions(context);
   ResultWriter out(context, "multires");
   Table table({"variant", "threshold_cm", "share_of_frames"});
@@ -120,7 +120,7 @@ ExperimentResult run(const ExperimentContext& context) {
 }  // namespace
 
 Experiment multires() {
-  return {"multires", "Alternating resolutions", "Figure plot-multires", work, run};
+  return {"multires", "Alternating resolutions", "Figure plot-multires", workMultires, runMultires};
 }
 
 }  // namespace rosefusion

@@ -24,12 +24,12 @@ std::vector<TestSequence> flights(const ExperimentContext& context, int speed) {
   return all;
 }
 
-int work(const ExperimentContext& context) {
+int workSpeedLimit(const ExperimentContext& context) {
   const auto some = flights(context, 1);
   return static_cast<int>(kSpeeds.size() * some.size() * some[0].frames * allMethods().size());
 }
 
-ExperimentResult run(const ExperimentContext& context) {
+ExperimentResult runSpeedLimit(const ExperimentContext& context) {
   const std::vector<Variant> methods = allMethods();
   ResultWriter out(context, "speed-limit");
   Table table({"speed_m_per_s", "method", "share_within_5cm", "lost_share", "flights"});
@@ -93,7 +93,7 @@ ExperimentResult run(const ExperimentContext& context) {
 }  // namespace
 
 Experiment speedLimit() {
-  return {"speed-limit", "How fast is too fast", "Figure failure-case", work, run};
+  return {"speed-limit", "How fast is too fast", "Figure failure-case", workSpeedLimit, runSpeedLimit};
 }
 
 }  // namespace rosefusion

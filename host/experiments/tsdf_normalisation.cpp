@@ -16,14 +16,14 @@ const std::vector<Variant>& variants() {
   return all;
 }
 
-int work(const ExperimentContext& context) {
+int workTsdfNormalisation(const ExperimentContext& context) {
   int frames = 0;
   for (const TestSequence& sequence : fastRooms(context))
     frames += static_cast<int>(sequence.frames * variants().size());
   return frames;
 }
 
-ExperimentResult run(const ExperimentContext& context) {
+ExperimentResult runTsdfNormalisation(const ExperimentContext& context) {
   ResultWriter out(context, "tsdf-normalisation");
   Table table({"sequence", "variant", "error_cm", "ate_mean_cm", "ate_rmse_cm", "frames", "lost"});
   Table bars({"sequence", "a", "b", "c", "d"});
@@ -79,7 +79,8 @@ ExperimentResult run(const ExperimentContext& context) {
 }  // namespace
 
 Experiment tsdfNormalisation() {
-  return {"tsdf-normalisation", "TSDF normalisation", "Table ablt-tsdf", work, run};
+  return {"tsdf-normalisation", "TSDF normalisation", "Table ablt-tsdf", workTsdfNormalisation,
+          runTsdfNormalisation};
 }
 
 }  // namespace rosefusion

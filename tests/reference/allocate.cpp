@@ -8,7 +8,7 @@ namespace {
 
 // Metres: a single-precision position some metres from the origin, after a transform (2^-23 * 4 m * a few
 // operations).
-constexpr double kPositionError = 5e-6;
+constexpr double kSegmentError = 5e-6;
 
 Block blockOf(const Eigen::Vector3d& p, double side) {
   return {int(std::floor(p.x() / side)), int(std::floor(p.y() / side)), int(std::floor(p.z() / side))};
@@ -35,7 +35,7 @@ void BandBlocks::add(const PointImage& image, const Intrinsics& camera, const Po
 bool BandBlocks::clearlyInside(const Eigen::Vector3d& point, const Block& block) const {
   for (int axis = 0; axis < 3; ++axis) {
     const double within = point[axis] - block[axis] * side_;
-    if (within < kPositionError || within > side_ - kPositionError) return false;
+    if (within < kSegmentError || within > side_ - kSegmentError) return false;
   }
   return true;
 }
@@ -52,7 +52,7 @@ void BandBlocks::addRequired(const Segment& segment) {
   std::sort(cuts.begin(), cuts.end());
   for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
     const double length = (cuts[i + 1] - cuts[i]) * along.norm();
-    if (length > side_ / 4 + 4 * kPositionError)
+    if (length > side_ / 4 + 4 * kSegmentError)
       required_.insert(blockOf(segment.from + along * (cuts[i] + cuts[i + 1]) / 2, side_));
   }
   for (const Eigen::Vector3d& end : {segment.from, segment.to})
@@ -63,8 +63,8 @@ bool BandBlocks::mayTouch(const Block& block) const {
   return std::any_of(segments_.begin(), segments_.end(), [&](const Segment& segment) {
     double enter = 0, leave = 1;
     for (int axis = 0; axis < 3; ++axis) {
-      const double low = block[axis] * side_ - kPositionError,
-                   high = (block[axis] + 1) * side_ + kPositionError;
+      const double low = block[axis] * side_ - kSegmentError,
+                   high = (block[axis] + 1) * side_ + kSegmentError;
       const double from = segment.from[axis], step = segment.to[axis] - from;
       if (step == 0) {
         if (from < low || from > high) return false;

@@ -5,9 +5,6 @@
 
 namespace rosefusion::reference {
 namespace {
-// Voxels: positions up to some metres and page tables of a few hundred voxels, single precision, 4 cm and
-// more.
-constexpr double kVoxelError = 2e-4;
 // A compensated sum of single-precision squares, and the rounding of its mean.
 constexpr double kRelativeTolerance = 3e-7;
 constexpr double kWide = 2e-3;

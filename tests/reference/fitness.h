@@ -9,6 +9,10 @@
 
 namespace rosefusion::reference {
 
+/// Of a position in voxels: up to some metres and page tables of a few hundred voxels, single precision, 4 cm
+/// and more.
+inline constexpr double kVoxelError = 2e-4;
+
 /// A TSDF as it stands, voxel by voxel; what is not in a block reads as +1.
 class VoxelValues {
  public:

@@ -6,7 +6,7 @@
 namespace rosefusion::reference {
 namespace {
 
-using Sums = Eigen::Matrix<double, kIcpSums, 1>;
+using IcpSums = Eigen::Matrix<double, kIcpSums, 1>;
 
 // Single precision moves a projection by less than this (coordinates up to 161 px, some ten operations), and
 // the quantities of the gates by less than that.
@@ -31,9 +31,9 @@ std::optional<Eigen::Vector3d> normalAt(const IcpModel& model, std::span<const E
 }
 
 /// What the pixel adds, with its projection moved by `moved` pixels and gates wider by `slack`.
-Sums terms(const IcpModel& model, std::span<const Eigen::Vector4d> points, const Pose& world_from_camera,
-           int column, int row, const Eigen::Vector2d& moved, double slack, Sums* size) {
-  Sums out = Sums::Zero();
+IcpSums terms(const IcpModel& model, std::span<const Eigen::Vector4d> points, const Pose& world_from_camera,
+              int column, int row, const Eigen::Vector2d& moved, double slack, IcpSums* size) {
+  IcpSums out = IcpSums::Zero();
   const Eigen::Vector4d p = points[static_cast<std::size_t>(row) * model.camera.width + column];
   if (p.w() == 0) return out;
   const Eigen::Vector3d point = world_from_camera * Eigen::Vector3d(p.head<3>());
@@ -59,7 +59,7 @@ Sums terms(const IcpModel& model, std::span<const Eigen::Vector4d> points, const
   jacobian << n, model.turn_sense * arm.cross(n);
   length << 1, 1, 1, Eigen::Vector3d::Constant(arm.norm());
   const double residual = n.dot(off);
-  Sums bound = Sums::Zero();
+  IcpSums bound = IcpSums::Zero();
   int entry = 0;
   for (int i = 0; i < 6; ++i)
     for (int j = i; j < 6; ++j, ++entry) {
@@ -83,14 +83,14 @@ std::vector<SumRange> icpSums(const IcpModel& model, std::span<const Eigen::Vect
   std::vector<SumRange> sums(kIcpSums);
   for (int row = model.offset; row < model.camera.height; row += model.stride)
     for (int column = model.offset; column < model.camera.width; column += model.stride) {
-      Sums size = Sums::Zero();
-      Sums low = terms(model, points, world_from_camera, column, row, Eigen::Vector2d::Zero(), 0, &size),
-           high = low;
+      IcpSums size = IcpSums::Zero();
+      IcpSums low = terms(model, points, world_from_camera, column, row, Eigen::Vector2d::Zero(), 0, &size),
+              high = low;
       for (int i = 0; i < 8; ++i) {
         const Eigen::Vector2d moved(i & 1 ? kPixelError : -kPixelError, i & 2 ? kPixelError : -kPixelError);
-        Sums own_size = Sums::Zero();
-        const Sums at = terms(model, points, world_from_camera, column, row, moved,
-                              i & 4 ? kGateError : -kGateError, &own_size);
+        IcpSums own_size = IcpSums::Zero();
+        const IcpSums at = terms(model, points, world_from_camera, column, row, moved,
+                                 i & 4 ? kGateError : -kGateError, &own_size);
         low = low.cwiseMin(at);
         high = high.cwiseMax(at);
         size = size.cwiseMax(own_size);

@@ -6,8 +6,6 @@
 namespace rosefusion::reference {
 namespace {
 
-// A voxel's position in the camera's frame, single precision: 2^-23 * 4 m * a few operations.
-constexpr double kPositionError = 2e-6;
 // Each update stores the mean in 16 bits of [-1, 1] (half a step is 1.5e-5).
 constexpr double kStoringError = 0.5 / 32767 + 1e-6;  // and a single-precision mean
 // Weights are stored in 1/256; that is also the least that a depth weighs.

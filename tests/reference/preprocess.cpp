@@ -5,10 +5,6 @@
 
 namespace rosefusion::reference {
 namespace {
-// Single precision: the product of two rounded numbers for z; for x and y, as well, a difference of pixel
-// coordinates with an absolute error of half an ulp of the image's width, and a division with the 2.5 ulp
-// that Vulkan allows.
-constexpr double kRelativeTolerance = 1e-6;
 // Of a bend, relative to z: three reciprocals times z squared, about 4 z in all before they cancel, each of
 // some 2^-23 with the 2.5 ulp of a division.
 constexpr double kBendTolerance = 2e-6;
@@ -66,7 +62,7 @@ Comparison compare(const PointImage& expected, std::span<const float> depth, std
     const float* p = &points[4 * i];
     const bool same_validity = (z > 0) == (depth[i] > 0) && (z > 0) == (p[3] == 1) && (z > 0 || p[3] == 0);
     // Relative to the range to the point: x and y may be 0.
-    const double tolerance = kRelativeTolerance * std::max(expected.points[i].norm(), 1e-30);
+    const double tolerance = kPointTolerance * std::max(expected.points[i].norm(), 1e-30);
     const double error =
         std::max(std::abs(z - depth[i]), (expected.points[i] - Eigen::Vector3d(p[0], p[1], p[2])).norm());
     result.add(

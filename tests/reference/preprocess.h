@@ -10,6 +10,13 @@
 
 namespace rosefusion::reference {
 
+/// Of a pixel's point, relative; single precision: the product of two rounded numbers for z; for x and y, as
+/// well, a difference of pixel coordinates with an absolute error of half an ulp of the image's width, and a
+/// division with the 2.5 ulp that Vulkan allows.
+inline constexpr double kPointTolerance = 1e-6;
+/// Metres, of a position in a camera's frame, single precision: 2^-23 * 4 m * a few operations.
+inline constexpr double kPositionError = 2e-6;
+
 struct DepthSensor {
   double metres_per_unit = 0.0002;
   double min_depth = 0.3;  ///< metres

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "tests/reference/spline.h"
+
 namespace rosefusion::reference {
 namespace {
 
@@ -25,16 +27,6 @@ Sample sampleAt(const Field& field, const Eigen::Vector3d& world) {
     sample.observed = sample.observed && field.weight(voxel) > 0;
   }
   return sample;
-}
-
-/// Quadratic B-spline and its derivative at a distance from the knot, both 0 beyond 1.5.
-double spline(double d) {
-  const double a = std::abs(d);
-  return a < 0.5 ? 0.75 - a * a : a < 1.5 ? 0.5 * (1.5 - a) * (1.5 - a) : 0;
-}
-double splineSlope(double d) {
-  const double a = std::abs(d);
-  return a < 0.5 ? -2 * d : a < 1.5 ? std::copysign(1.5 - a, -d) : 0;
 }
 
 Eigen::Vector3d splineGradient(const Field& field, const Eigen::Vector3d& world) {

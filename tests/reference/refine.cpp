@@ -3,14 +3,13 @@
 #include <array>
 #include <cmath>
 
+#include "tests/reference/spline.h"
+
 namespace rosefusion::reference {
 namespace {
 
-using Sums = Eigen::Matrix<double, kRefineSums, 1>;
+using RefineSums = Eigen::Matrix<double, kRefineSums, 1>;
 
-// Voxels: positions up to some metres and page tables of a few hundred voxels, single precision, 4 cm and
-// more; the same as of the fitness, whose positions are computed alike.
-constexpr double kVoxelError = 2e-4;
 // Of a term, relative to the sizes of its factors: some ten single-precision operations on each, and the
 // interpolation's 27 products of numbers up to 1 where the gradient is about a third (6e-8 * 27 * 3).
 constexpr double kTermTolerance = 6e-6;
@@ -35,18 +34,6 @@ Reading interpolate(const VoxelValues& values, const Eigen::Vector3d& position) 
     out.value += stored * (1 - (centred - voxel.cast<double>()).array().abs()).prod();
   }
   return out;
-}
-
-/// The quadratic B-spline, centred, and its derivative; 0 from 1.5 on.
-double spline(double t) {
-  const double a = std::abs(t);
-  if (a < 0.5) return 0.75 - a * a;
-  return a < 1.5 ? 0.5 * (1.5 - a) * (1.5 - a) : 0;
-}
-double splineSlope(double t) {
-  const double a = std::abs(t);
-  if (a < 0.5) return -2 * t;
-  return a < 1.5 ? -std::copysign(1.5 - a, t) : 0;
 }
 
 struct Slope {
@@ -87,9 +74,10 @@ bool heldBy(const Intrinsics& k, const Eigen::Vector3d& point, double around) {
 /// What a point adds to the sums when it reads the volume at `position` (voxels); `arm`: from the camera's
 /// centre, in world axes; `held_by_last`: whether the last image holds it; `size`: bounds on the terms, from
 /// the lengths of their factors.
-Sums terms(const VoxelValues& values, const VoxelValues& weights, const Eigen::Vector3d& position,
-           const Eigen::Vector3d& arm, double z, bool held_by_last, const RefineModel& model, Sums* size) {
-  Sums out = Sums::Zero(), bound = Sums::Zero();
+RefineSums terms(const VoxelValues& values, const VoxelValues& weights, const Eigen::Vector3d& position,
+                 const Eigen::Vector3d& arm, double z, bool held_by_last, const RefineModel& model,
+                 RefineSums* size) {
+  RefineSums out = RefineSums::Zero(), bound = RefineSums::Zero();
   const Reading reading = interpolate(values, position);
   double variance = model.noise.variance(z);
   if (reading.usable)
@@ -146,14 +134,14 @@ std::vector<SumRange> refineSums(const VoxelValues& values, const VoxelValues& w
     const Eigen::Vector3d arm = world_from_camera.linear() * point;
     const Eigen::Vector3d position = (arm + world_from_camera.translation()) / values.voxelSize();
     const Eigen::Vector3d seen = model.last_from_world * (arm + world_from_camera.translation());
-    Sums size;
-    Sums low = terms(values, weights, position, arm, point.z(), holds(seen), model, &size), high = low;
+    RefineSums size;
+    RefineSums low = terms(values, weights, position, arm, point.z(), holds(seen), model, &size), high = low;
     // The terms are smooth within a cell, so the corners of what rounding can reach hold their extremes, and
     // they lie in every cell that it can reach.
     for (int i = 0; i < 8; ++i) {
       const Eigen::Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
       const bool held = holds(seen + kSeenError * seen.norm() * sign);
-      const Sums at =
+      const RefineSums at =
           terms(values, weights, position + kVoxelError * sign, arm, point.z(), held, model, nullptr);
       low = low.cwiseMin(at);
       high = high.cwiseMax(at);

@@ -3,41 +3,30 @@
 #include <array>
 #include <cmath>
 
+#include "tests/reference/spline.h"
+
 namespace rosefusion::reference {
 namespace {
 
-using Sums = Eigen::Matrix<double, kRefineColourSums, 1>;
-
-constexpr double kVoxelError = 2e-4;  // as in refine.cpp
+using ColourSums = Eigen::Matrix<double, kRefineColourSums, 1>;
 
 double luminance(std::uint32_t rgb, double green) {
   return (0.299 * (rgb & 0xFF) + green * (rgb >> 8 & 0xFF) + 0.114 * (rgb >> 16 & 0xFF)) / 255;
 }
 
-/// The quadratic B-spline, centred, and its derivative; 0 from 1.5 on.
-double spline(double t) {
-  const double a = std::abs(t);
-  if (a < 0.5) return 0.75 - a * a;
-  return a < 1.5 ? 0.5 * (1.5 - a) * (1.5 - a) : 0;
-}
-double splineSlope(double t) {
-  const double a = std::abs(t);
-  if (a < 0.5) return -2 * t;
-  return a < 1.5 ? -std::copysign(1.5 - a, t) : 0;
-}
 double tent(double t) {
   return std::max(0.0, 1 - std::abs(t));
 }
 
-struct Reading {
+struct ColourReading {
   double value = 0;                                    ///< trilinear
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();  ///< of the spline, per voxel
 };
 
 /// Nothing where one of the 27 voxels has no colour.
-std::optional<Reading> read(const VoxelColours& colours, const Eigen::Vector3d& position) {
+std::optional<ColourReading> read(const VoxelColours& colours, const Eigen::Vector3d& position) {
   const Eigen::Vector3i middle = position.array().floor().cast<int>();
-  Reading out;
+  ColourReading out;
   for (int i = 0; i < 27; ++i) {
     const Eigen::Vector3i voxel = middle + Eigen::Vector3i(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
     const auto stored = colours.luminanceAt(voxel);
@@ -52,9 +41,9 @@ std::optional<Reading> read(const VoxelColours& colours, const Eigen::Vector3d& 
 }
 
 /// What a point adds; see refine.cpp.
-Sums terms(const VoxelColours& colours, const Eigen::Vector3d& position, const Eigen::Vector3d& arm,
-           double pixel, const ColourModel& model, Sums* size) {
-  Sums out = Sums::Zero(), bound = Sums::Zero();
+ColourSums terms(const VoxelColours& colours, const Eigen::Vector3d& position, const Eigen::Vector3d& arm,
+                 double pixel, const ColourModel& model, ColourSums* size) {
+  ColourSums out = ColourSums::Zero(), bound = ColourSums::Zero();
   if (const auto reading = read(colours, position)) {
     const double residual = model.gain * reading->value - pixel;
     // The gradient's 27 products are of numbers up to 1, however small it is itself.
@@ -112,11 +101,11 @@ std::vector<SumRange> refineColourSums(const VoxelColours& colours, std::span<co
     const double pixel = luminance(model.image[v * model.camera.width + u], model.green);
     const Eigen::Vector3d arm = world_from_camera.linear() * point;
     const Eigen::Vector3d position = (arm + world_from_camera.translation()) / colours.voxelSize();
-    Sums size;
-    Sums low = terms(colours, position, arm, pixel, model, &size), high = low;
+    ColourSums size;
+    ColourSums low = terms(colours, position, arm, pixel, model, &size), high = low;
     for (int i = 0; i < 8; ++i) {
       const Eigen::Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
-      const Sums at = terms(colours, position + kVoxelError * sign, arm, pixel, model, nullptr);
+      const ColourSums at = terms(colours, position + kVoxelError * sign, arm, pixel, model, nullptr);
       low = low.cwiseMin(at);
       high = high.cwiseMax(at);
     }

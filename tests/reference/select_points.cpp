@@ -3,11 +3,6 @@
 #include <cmath>
 
 namespace rosefusion::reference {
-namespace {
-constexpr double kPointTolerance = 1e-6;  // metres per metre of range, see preprocess.cpp
-constexpr double kPositionError = 2e-6;   // metres, of a single-precision transform
-}  // namespace
-
 Selection selectPoints(const PointImage& image, const Intrinsics& camera, int stride, int offset_x,
                        int offset_y, const Pose* previous_from_current) {
   Selection selection;
