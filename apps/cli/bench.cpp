@@ -185,6 +185,8 @@ void addBenchCommand(CLI::App& app) {
   c->add_option("--json", o->json, "Also write the figures here; '-': standard output");
   addPassOptions(*c, *o);
   addTrackingOptions(*c, *o);
+  for (const char* name : {"--config", "--set", "--device", "--seed"})
+    for (const char* suite : {"passes", "tracking"}) o->of_suite[suite].push_back(c->get_option(name));
   c->footer(
       "Examples:\n  rosefusion bench\n  rosefusion bench --device cpu --repeat 50 --json bench.json\n"
       "  rosefusion bench --suite tracking --rooms 20 --work out/rooms --json tracking.json\n"

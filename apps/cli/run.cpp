@@ -114,6 +114,10 @@ void printSummary(std::FILE* to, const RunSummary& summary, const SequenceInfo& 
 void run(const RunArguments& o) {
   const Settings settings = settingsFor(o);
   const bool live = isLiveSource(o.source.source);
+  if (!isStreamEndpoint(o.source.source) &&
+      !(o.source.stream.secret_key.empty() && o.source.stream.peer_keys.empty()))
+    throw InputError(o.source.source +
+                     ": is no network stream (tcp://*:PORT); leave out --secret-key and --peer-key.");
   if (live) catchInterrupts();  // before a recording begins, Ctrl-C just ends the program
   const auto source = openSource(o.source, settings.volume.colour);
   if (!source) throw ExitCode(kExitInterrupted);

@@ -25,9 +25,23 @@ struct Arguments {
   SynthOptions options;
   std::filesystem::path out;
   std::optional<double> low, mean, high, angular_mean, angular_high, cx, cy;
-  bool force = false, frames_given = false;
+  bool force = false, frames_given = false, motion_given = false;
   std::string json, up = "guess", motion = "6d", noise = "handa";
+  std::vector<std::pair<CLI::Option*, std::string>> of_motions;  // options, and the motions that heed them
 };
+
+void refuseIgnored(const Arguments& a) {
+  const bool replay = !a.options.replay_file.empty();
+  const std::string motion = replay ? "replay" : a.motion;
+  if (replay && a.motion_given && a.motion != "replay")
+    throw InputError("--motion " + a.motion +
+                     ": --replay flies a recording as it is; leave out one of them.");
+  for (const auto& [option, motions] : a.of_motions)
+    if (option->count() > 0 && motions.find(motion) == std::string::npos)
+      throw InputError(option->get_name() + " means nothing to " +
+                       (replay ? "--replay, which flies a recording as it is" : "--motion " + motion) +
+                       "; leave it out.");
+}
 
 /// Speeds left out follow those given, in the proportions of the defaults.
 void settle(Arguments& a) {
@@ -66,6 +80,7 @@ void settle(Arguments& a) {
 }
 
 void run(Arguments& a) {
+  refuseIgnored(a);
   settle(a);
   requirePlausible(a.options);
   requireUsableOutput(a.out, a.force);
@@ -122,27 +137,28 @@ void addSynthCommand(CLI::App& app) {
       ->capture_default_str()
       ->group("Scene");
 
-  const std::string motion = "Motion";
+  const auto of = [&](const char* motions, CLI::Option* option) {
+    a->of_motions.emplace_back(option->group("Motion"), motions);
+  };
   c->add_option("--motion", a->motion,
                 "free flight, to and fro on a line, turning on the spot, or a recording")
       ->check(CLI::IsMember({"6d", "linear", "rotation", "replay"}))
       ->capture_default_str()
-      ->group(motion);
-  c->add_option("--speed", a->mean, "mean linear speed, m/s [1.68, or 0.42 of --max-speed]")->group(motion);
-  c->add_option("--min-speed", a->low, "m/s [1.0, or a quarter of --max-speed]")->group(motion);
-  c->add_option("--max-speed", a->high, "m/s [4.0]")->group(motion);
-  c->add_option("--angular", a->angular_mean, "mean angular speed, rad/s [0.95, or 0.43 of --max-angular]")
-      ->group(motion);
-  c->add_option("--max-angular", a->angular_high, "rad/s [2.2]")->group(motion);
-  c->add_option("--ramp", a->options.ramp, "seconds from rest to --min-speed")
-      ->capture_default_str()
-      ->group(motion);
-  c->add_option("--loops", a->options.loops, "6d: fly this many laps of one closed tour through all rooms")
-      ->group(motion);
-  c->add_option("--replay", a->options.replay_file, "recorded TUM trajectory to fly")->group(motion);
-  c->add_option("--replay-speed", a->options.replay_speed, "times faster than recorded")
-      ->capture_default_str()
-      ->group(motion);
+      ->group("Motion")
+      ->each([a](const std::string&) { a->motion_given = true; });
+  of("6d linear", c->add_option("--speed", a->mean, "mean linear speed, m/s [1.68, or 0.42 of --max-speed]"));
+  of("6d linear", c->add_option("--min-speed", a->low, "m/s [1.0, or a quarter of --max-speed]"));
+  of("6d linear", c->add_option("--max-speed", a->high, "m/s [4.0]"));
+  of("6d rotation", c->add_option("--angular", a->angular_mean,
+                                  "mean angular speed, rad/s [0.95, or 0.43 of --max-angular]"));
+  of("6d rotation", c->add_option("--max-angular", a->angular_high, "rad/s [2.2]"));
+  of("6d rotation",
+     c->add_option("--ramp", a->options.ramp, "seconds from rest to --min-speed")->capture_default_str());
+  of("6d",
+     c->add_option("--loops", a->options.loops, "fly this many laps of one closed tour through all rooms"));
+  c->add_option("--replay", a->options.replay_file, "recorded TUM trajectory to fly")->group("Motion");
+  of("replay", c->add_option("--replay-speed", a->options.replay_speed, "times faster than recorded")
+                   ->capture_default_str());
 
   const std::string camera = "Camera";
   c->add_option("--width", a->options.intrinsics.width, "pixels")->capture_default_str()->group(camera);

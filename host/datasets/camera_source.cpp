@@ -26,6 +26,9 @@ std::optional<CameraSource> readCalibration(const std::filesystem::path& folder,
   const std::filesystem::path file = folder / "calibration.txt";
   if (!std::filesystem::exists(file)) return std::nullopt;
   const std::vector<double> v = readNumbers(file);
+  // The matrix [fx 0 cx; 0 fy cy; 0 0 1], as many tools write it.
+  const bool matrix = v.size() == 9 && v[1] == 0 && v[3] == 0 && v[6] == 0 && v[7] == 0 && v[8] == 1;
+  if (matrix) return CameraSource{{0, 0, v[0], v[4], v[2], v[5]}, file.string(), false, {}};
   if (v.size() < 4) throw InputError(file.string() + ": expected four numbers 'fx fy cx cy' in pixels.");
   CameraSource camera{{0, 0, v[0], v[1], v[2], v[3]}, file.string(), false, {}};
   constexpr double kLargest = 10;  // real lenses stay near 1

@@ -38,8 +38,8 @@ struct StampedFile {
   std::string file;
 };
 
-/// Reads a list. Malformed lines are skipped with one warning for all of them; throws InputError when no line
-/// is good.
+/// Reads a list. A name may hold spaces where such a file is there. Malformed lines are skipped with one
+/// warning for all of them; throws InputError when no line is good.
 std::vector<StampedFile> readStampedFiles(const std::filesystem::path& list,
                                           std::vector<std::string>& warnings);
 

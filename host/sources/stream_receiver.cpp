@@ -65,6 +65,7 @@ struct StreamReceiver::Impl {
 
   Impl(const std::string& endpoint_, const StreamOptions& options)
       : keys(readKeys(options)), silence_limit(options.silence_limit) {
+    requirePort(endpoint_);
     try {
       setUp(socket);
       socket.set(zmq::sockopt::linger, kFarewell);

@@ -66,6 +66,7 @@ struct StreamSender::Impl {
     header.depth_units_per_metre = info.depth_units_per_metre;
     header.frames = info.frames;
     const Keys keys = readKeys(options);
+    requirePort(endpoint);
     try {
       setUp(socket);
       socket.set(zmq::sockopt::immediate, true);  // nothing is queued for a connection that is not there

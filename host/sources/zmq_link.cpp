@@ -82,6 +82,13 @@ std::string z85(std::span<const std::byte> key) {
   return text.data();
 }
 
+void requirePort(const std::string& endpoint) {
+  const std::string port = endpoint.substr(endpoint.rfind(':') + 1);
+  const bool digits = !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == port.npos;
+  if (port != "*" && !(digits && std::stoi(port) >= 1 && std::stoi(port) <= 65535))
+    throw InputError(endpoint + ": its port must be 1 to 65535, such as tcp://localhost:5555.");
+}
+
 void setUp(zmq::socket_t& socket) {
   // A connection that broke without a word is found out within five seconds.
   socket.set(zmq::sockopt::heartbeat_ivl, 1000);

@@ -24,6 +24,9 @@ Keys readKeys(const StreamOptions& options);
 /// Public key as text of its 32 bytes.
 std::string z85(std::span<const std::byte> key);
 
+/// Throws InputError unless the endpoint ends in a port, which ZeroMQ would cut to 16 bits without a word.
+void requirePort(const std::string& endpoint);
+
 /// Options of both ends: limits, heartbeats, no lingering.
 void setUp(zmq::socket_t& socket);
 

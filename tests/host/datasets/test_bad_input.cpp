@@ -75,6 +75,19 @@ TEST(BadFrame, AnotherSizeInMidSequence) {
   EXPECT_THAT(problemOfSecondFrame(folder), AllOf(HasSubstr("64x48"), HasSubstr("32x24")));
 }
 
+TEST(BadFrame, TheFirstOnesOwnSizeRulesNoOtherOut) {
+  const TemporaryFolder folder;
+  makeTum(folder);
+  folder.writeImage("depth/1305031229.528784.png", depthImage(500, 64, 48));
+  const auto sequence = openSequence(folder.path());
+  EXPECT_EQ(sequence->info().intrinsics.width, kWidth);
+  Frame frame;
+  std::string problem;
+  EXPECT_FALSE(sequence->read(0, frame, problem));
+  EXPECT_THAT(problem, AllOf(HasSubstr("64x48"), HasSubstr("32x24")));
+  EXPECT_TRUE(sequence->read(1, frame, problem));
+}
+
 TEST(BadFrame, ABadFirstFrameDoesNotStopTheSequence) {
   const TemporaryFolder folder;
   makeTum(folder);

@@ -192,7 +192,8 @@ TEST(Tum, ARenamedFolderIsKnownByItsListsComment) {
 TEST(Tum, AssumedIntrinsicsAreScaledToTheImagesWithAWarning) {
   const TemporaryFolder folder;
   makeTum(folder);
-  folder.writeImage("depth/1305031229.528784.png", depthImage(5000, 320, 240));
+  for (const char* stamp : {"1305031229.528784", "1305031229.562084", "1305031229.595384"})
+    folder.writeImage(std::string("depth/") + stamp + ".png", depthImage(5000, 320, 240));
   const auto sequence = openSequence(folder.path());
   const Intrinsics& k = sequence->info().intrinsics;
   EXPECT_EQ(k.width, 320);
@@ -200,6 +201,24 @@ TEST(Tum, AssumedIntrinsicsAreScaledToTheImagesWithAWarning) {
   EXPECT_DOUBLE_EQ(k.cx, 159.5) << "the middle stays the middle: pixel centres have integer coordinates";
   ASSERT_EQ(sequence->info().warnings.size(), 1u);
   EXPECT_THAT(sequence->info().warnings[0], HasSubstr("scaled to 320x240"));
+}
+
+TEST(Tum, FileNamesMayHoldSpaces) {
+  const TemporaryFolder folder;
+  makeTum(folder);
+  folder.writeImage("my depth/a b.png", depthImage(700));
+  folder.write("depth.txt", "1305031229.5 my depth/a b.png\n1305031229.6 not there.png\n");
+  const auto sequence = openSequence(folder.path());
+  ASSERT_EQ(sequence->size(), 1u);
+  EXPECT_EQ(readGood(*sequence, 0).depth.at<std::uint16_t>(0, 0), 700);
+}
+
+TEST(Tum, CalibrationMayBeAMatrix) {
+  const TemporaryFolder folder;
+  makeTum(folder);
+  folder.write("calibration.txt", "40 0 15.5\n0 41 11.5\n0 0 1\n");
+  const Intrinsics k = openSequence(folder.path())->info().intrinsics;
+  EXPECT_EQ(Eigen::Vector4d(k.fx, k.fy, k.cx, k.cy), Eigen::Vector4d(40, 41, 15.5, 11.5));
 }
 
 TEST(Tum, CalibrationFileAndOptionsWin) {
