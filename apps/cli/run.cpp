@@ -41,6 +41,15 @@ bool isSame(const std::filesystem::path& a, const std::filesystem::path& b) {
   return std::filesystem::equivalent(a, b, error);
 }
 
+/// Whether an earlier report names another recording. It may name it from another working directory, where
+/// the last part of the path has to do.
+bool isAnother(const std::filesystem::path& reported, const std::filesystem::path& recording) {
+  const auto name = [](const std::filesystem::path& p) { return (p / "").parent_path().filename(); };
+  std::error_code error;
+  return std::filesystem::exists(reported, error) ? !isSame(reported, recording)
+                                                  : name(reported) != name(recording);
+}
+
 std::string outputFolder(const RunArguments& o) {
   if (!o.out.empty()) return o.out;
   if (isLiveSource(o.source.source)) return "out/live";
@@ -132,7 +141,7 @@ void run(const RunArguments& o) {
   spdlog::info("{}: {}{}; on {}", info.path.string(), count, info.format, device.info().name);
   Pipeline pipeline(device, settings, info.intrinsics, info.depth_units_per_metre, logToSpdlog);
 
-  if (const std::string other = folder.resultOf(); !other.empty() && !live && !isSame(other, info.path))
+  if (const std::string other = folder.resultOf(); !other.empty() && !live && isAnother(other, info.path))
     spdlog::warn("{}: what lies there is of {} and is replaced; give each its own with --out.", out, other);
   folder.removeEarlier();
   catchInterrupts();
