@@ -17,4 +17,5 @@ find_program(GLSLANG_VALIDATOR glslangValidator REQUIRED)
 find_program(SPIRV_VAL spirv-val REQUIRED)
 if(ROSEFUSION_TESTS)
   find_package(GTest REQUIRED)
+  find_package(benchmark QUIET)  # for bench_host, which is left out without it
 endif()
