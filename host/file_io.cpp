@@ -79,6 +79,11 @@ void writeFileAtomically(const fs::path& named, std::string_view bytes) {
   if (error) fail(error.value());
 }
 
+std::filesystem::path settledPath(const std::filesystem::path& path) {
+  const fs::path whole = fs::absolute(path).lexically_normal();
+  return whole.has_filename() ? whole : whole.parent_path();
+}
+
 ScratchFolder::ScratchFolder(const std::string& purpose) {
   std::error_code error;
   const fs::path folder = fs::temp_directory_path(error);

@@ -17,6 +17,9 @@ void writeFileAtomically(const std::filesystem::path& file, std::string_view byt
 /// `file` as it is.
 void requireWritable(const std::filesystem::path& file);
 
+/// Absolute, normal and without a slash at the end, so that its last part is its name.
+std::filesystem::path settledPath(const std::filesystem::path& path);
+
 /// A new folder where the system keeps temporary files, removed with all that is in it. Throws InputError.
 class ScratchFolder {
  public:

@@ -51,7 +51,7 @@ export CCACHE_SLOPPINESS=pch_defines,time_macros
 export CCACHE_BASEDIR=${CCACHE_BASEDIR:-$root} CCACHE_NOHASHDIR=1
 export UBSAN_OPTIONS=print_stacktrace=1
 # The 256 MB that it keeps by default, in case they are used after being freed, cost a third of the time in new pages.
-export ASAN_OPTIONS=quarantine_size_mb=16
+export ASAN_OPTIONS=${ASAN_OPTIONS:-quarantine_size_mb=16}
 
 step "Packages"
 bash apps/install_packages.sh --tests

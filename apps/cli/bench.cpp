@@ -106,8 +106,8 @@ void bench(BenchArguments& o) {
   for (const auto& [suite, options] : o.of_suite)
     for (CLI::Option* option : options)
       if (option->count() > 0 && std::find(known.begin(), known.end(), option) == known.end())
-        throw InputError(option->get_name() + " belongs to --suite " + suite +
-                         "; leave it out, or choose that suite.");
+        throw InputError(option->get_name() + " means nothing to --suite " + o.suite +
+                         "; leave it out, or choose --suite " + suite + ".");
   requireWritableJson(o.json);
   if (o.suite == "network") return benchNetworkOf(o);
   o.suite == "tracking" ? benchTracking(o) : benchPassesOf(o);

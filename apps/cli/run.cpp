@@ -44,17 +44,16 @@ bool isSame(const std::filesystem::path& a, const std::filesystem::path& b) {
 /// Whether an earlier report names another recording. It may name it from another working directory, where
 /// the last part of the path has to do.
 bool isAnother(const std::filesystem::path& reported, const std::filesystem::path& recording) {
-  const auto name = [](const std::filesystem::path& p) { return (p / "").parent_path().filename(); };
   std::error_code error;
-  return std::filesystem::exists(reported, error) ? !isSame(reported, recording)
-                                                  : name(reported) != name(recording);
+  return std::filesystem::exists(reported, error)
+             ? !isSame(reported, recording)
+             : settledPath(reported).filename() != settledPath(recording).filename();
 }
 
 std::string outputFolder(const RunArguments& o) {
   if (!o.out.empty()) return o.out;
   if (isLiveSource(o.source.source)) return "out/live";
-  std::filesystem::path sequence = std::filesystem::absolute(o.source.source).lexically_normal();
-  if (!sequence.has_filename()) sequence = sequence.parent_path();
+  const std::filesystem::path sequence = settledPath(o.source.source);
   const bool folder = std::filesystem::is_directory(sequence);
   std::filesystem::path out = std::filesystem::path("out") / (folder ? sequence.filename() : sequence.stem());
   if (isSame(out, sequence)) out += "-run";  // of a sequence that lies in out itself
@@ -123,10 +122,12 @@ void printSummary(std::FILE* to, const RunSummary& summary, const SequenceInfo& 
 void run(const RunArguments& o) {
   const Settings settings = settingsFor(o);
   const bool live = isLiveSource(o.source.source);
+  const StreamOptions& stream = o.source.stream;
   if (!isStreamEndpoint(o.source.source) &&
-      !(o.source.stream.secret_key.empty() && o.source.stream.peer_keys.empty()))
+      !(stream.secret_key.empty() && stream.peer_keys.empty() && stream.silence_limit == 0))
     throw InputError(o.source.source +
-                     ": is no network stream (tcp://*:PORT); leave out --secret-key and --peer-key.");
+                     ": is no network stream (tcp://*:PORT); leave out --secret-key, --peer-key and "
+                     "--silence-limit.");
   if (live) catchInterrupts();  // before a recording begins, Ctrl-C just ends the program
   const auto source = openSource(o.source, settings.volume.colour);
   if (!source) throw ExitCode(kExitInterrupted);

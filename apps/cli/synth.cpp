@@ -8,6 +8,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/exit_code.h"
@@ -154,8 +156,8 @@ void addSynthCommand(CLI::App& app) {
   of("6d rotation", c->add_option("--max-angular", a->angular_high, "rad/s [2.2]"));
   of("6d rotation",
      c->add_option("--ramp", a->options.ramp, "seconds from rest to --min-speed")->capture_default_str());
-  of("6d",
-     c->add_option("--loops", a->options.loops, "fly this many laps of one closed tour through all rooms"));
+  of("6d", c->add_option("--loops", a->options.loops,
+                         "6d: fly this many laps of one closed tour through all rooms"));
   c->add_option("--replay", a->options.replay_file, "recorded TUM trajectory to fly")->group("Motion");
   of("replay", c->add_option("--replay-speed", a->options.replay_speed, "times faster than recorded")
                    ->capture_default_str());

@@ -56,18 +56,17 @@ void ImageSequence::sortByTime() {
 
 cv::Size ImageSequence::findImageSize() const {
   constexpr std::size_t kAttempts = 100;  // a start this bad is not a sequence with a few damaged frames
-  constexpr std::size_t kVotes = 5;       // one odd image at the start must not rule out all the others
   cv::Mat depth;
   std::string problem, first_problem;
-  std::vector<cv::Size> sizes;
-  for (std::size_t i = 0; i < std::min(frames_.size(), kAttempts) && sizes.size() < kVotes; ++i) {
-    if (readDepthImage(frames_[i].depth, {}, depth, problem)) sizes.push_back(depth.size());
+  std::vector<cv::Size> sizes;  // two must agree: one odd image at the start does not rule out all the others
+  for (std::size_t i = 0; i < std::min(frames_.size(), kAttempts); ++i) {
+    if (readDepthImage(frames_[i].depth, {}, depth, problem)) {
+      if (std::find(sizes.begin(), sizes.end(), depth.size()) != sizes.end()) return depth.size();
+      sizes.push_back(depth.size());
+    }
     if (i == 0) first_problem = problem;
   }
-  const auto count = [&](cv::Size size) { return std::count(sizes.begin(), sizes.end(), size); };
-  if (!sizes.empty())
-    return *std::max_element(sizes.begin(), sizes.end(),
-                             [&](cv::Size a, cv::Size b) { return count(a) < count(b); });
+  if (!sizes.empty()) return sizes.front();
   throw InputError(info_.path.string() + ": none of its first " +
                    std::to_string(std::min(frames_.size(), kAttempts)) +
                    " depth images can be read; the first: " + first_problem);

@@ -10,7 +10,7 @@
 
 namespace rosefusion::datasets {
 
-/// Of the formats that number their frames instead of stamping them: they are the Kinect's.
+/// Of the formats that number their frames instead of stamping them.
 inline constexpr double kFramesPerSecond = 30;
 
 struct FrameFiles {

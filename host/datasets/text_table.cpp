@@ -66,10 +66,11 @@ std::vector<StampedFile> readStampedFiles(const std::filesystem::path& list,
   std::string first;
   for (const TextRow& row : readTextTable(list).rows) {
     double stamp = 0;
-    std::string name = row.fields.size() > 1 ? row.fields[1] : "";
-    for (std::size_t i = 2; i < row.fields.size(); ++i) name += ' ' + row.fields[i];
-    if (row.fields.size() > 2 && !std::filesystem::exists(list.parent_path() / name)) name.clear();
-    if (!name.empty() && parseNumber(row.fields[0], stamp) && std::isfinite(stamp)) {
+    std::string name;
+    for (std::size_t i = 1; i < row.fields.size(); ++i) name += (i > 1 ? " " : "") + row.fields[i];
+    const bool named = row.fields.size() == 2 ||
+                       (row.fields.size() > 2 && std::filesystem::exists(list.parent_path() / name));
+    if (named && parseNumber(row.fields[0], stamp) && std::isfinite(stamp)) {
       files.push_back({stamp, name});
     } else if (skipped++ == 0) {
       first = "line " + std::to_string(row.line) + " is not 'timestamp file'";

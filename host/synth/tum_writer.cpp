@@ -56,12 +56,6 @@ const char* nameOf(Motion motion) {
   return "6d";
 }
 
-/// Absolute and without a slash at the end, so that ".part" can be added to its name.
-fs::path settled(const fs::path& folder) {
-  const fs::path whole = fs::absolute(folder).lexically_normal();
-  return whole.has_filename() ? whole : whole.parent_path();
-}
-
 /// Where a sequence is made before it gets its name, marked as ours to delete.
 constexpr const char* kPartMark = ".rosefusion-part";
 fs::path partOf(fs::path folder) {
@@ -73,7 +67,7 @@ fs::path partOf(fs::path folder) {
 void requireUsableOutput(const fs::path& folder, bool force) {
   if (folder.empty()) throw InputError("The sequence's folder has no name; give one.");
   std::error_code error;
-  const fs::path part = partOf(settled(folder));
+  const fs::path part = partOf(settledPath(folder));
   if (fs::exists(part, error) && !fs::exists(part / kPartMark, error))
     throw InputError(part.string() +
                      ": is in the way and was not left by an interrupted run; move it, or give "
@@ -131,7 +125,7 @@ std::string synthReport(const SynthPlan& plan) {
 
 void writeTumSequence(const fs::path& out, const SynthPlan& plan, bool force,
                       const std::function<void(int, int)>& progress) {
-  const fs::path folder = settled(out);
+  const fs::path folder = settledPath(out);
   requireUsableOutput(folder, force);
   const fs::path part = partOf(folder);
   std::error_code error;

@@ -77,6 +77,7 @@ TEST(CommandLine, BadInputEndsInOneSentenceThatNamesIt) {
                         Case{"run tcp://127.0.0.1:70000", "70000"},
                         Case{"run tcp://127.0.0.1", "port"},
                         Case{"run " + empty + " --secret-key k --peer-key p", "--secret-key"},
+                        Case{"run " + empty + " --silence-limit 3", "--silence-limit"},
                         Case{"experiment nosuch --out " + empty, "nosuch"},
                         Case{"run tcp://127.0.0.1:5555 --secret-key /nowhere/k", "--peer-key"}}) {
     const Outcome outcome = program(c.arguments);

@@ -2,13 +2,12 @@
 // bench`, which pairs them with a native loop.
 #include <benchmark/benchmark.h>
 
-#include <filesystem>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
 #include "host/datasets/image_file.h"
-#include "host/evaluation/alignment.h"
+#include "host/file_io.h"
 #include "host/swarm/swarm_update.h"
 #include "host/synth/sequence.h"
 #ifdef ROSEFUSION_CODEC
@@ -23,20 +22,19 @@ const Frame& someFrame() {
   static const Frame frame = [] {
     SynthOptions options;
     options.frames = 2;
-    options.colour = true;
     return makeSequence(options).frames[1];
   }();
   return frame;
 }
 
 void readDepthPng(benchmark::State& state) {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / "rosefusion_bench_depth.png";
+  const ScratchFolder folder("bench");
+  const std::filesystem::path file = folder.path() / "depth.png";
   cv::imwrite(file, someFrame().depth);
   cv::Mat depth;
   std::string problem;
   for (auto _ : state)
     if (!datasets::readDepthImage(file, {}, depth, problem)) throw std::runtime_error(problem);
-  std::filesystem::remove(file);
 }
 BENCHMARK(readDepthPng)->Unit(benchmark::kMillisecond);
 
@@ -61,24 +59,13 @@ void updateSwarm(benchmark::State& state) {
 }
 BENCHMARK(updateSwarm)->Arg(10240)->Arg(3072)->Arg(1024)->Unit(benchmark::kMicrosecond);
 
-void alignTrajectory(benchmark::State& state) {
-  std::vector<PosePair> pairs(static_cast<std::size_t>(state.range(0)));
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const double t = 0.01 * static_cast<double>(i);
-    pairs[i].truth.translation() = Eigen::Vector3d(t, std::sin(t), std::cos(3 * t));
-    pairs[i].estimate.translation() =
-        Eigen::Vector3d(std::sin(t), t + 0.001 * std::sin(50 * t), std::cos(3 * t));
-  }
-  for (auto _ : state) benchmark::DoNotOptimize(alignPoses(pairs));
-}
-BENCHMARK(alignTrajectory)->Arg(1000)->Unit(benchmark::kMicrosecond);
-
 #ifdef ROSEFUSION_CODEC
 void compressDepth(benchmark::State& state) {
   ImageCodec codec;
+  const cv::Mat& frame = someFrame().depth;
   std::size_t bytes = 0;
-  for (auto _ : state) bytes = codec.compressDepth(someFrame().depth).size();
-  const double plain = 2.0 * static_cast<double>(someFrame().depth.total());
+  for (auto _ : state) bytes = codec.compressDepth(frame).size();
+  const double plain = 2.0 * static_cast<double>(frame.total());
   state.counters["ratio"] = plain / static_cast<double>(bytes);
 }
 BENCHMARK(compressDepth)->Unit(benchmark::kMillisecond);
