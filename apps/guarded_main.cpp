@@ -4,7 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include "engine/error.h"
-#include "host/error.h"
+#include "host/core/error.h"
 
 namespace rosefusion {
 

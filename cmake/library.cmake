@@ -3,11 +3,11 @@
 # its component, rosefusion-static or rosefusion-shared.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/rosefusion)
-set(parts base swarm settings shaders engine pipeline mesh_extraction embedding)
+set(parts core swarm settings shaders engine tracking mapping relocalisation baselines loop_closure slam embedding)
 # By the names that linkers know: who links the static library needs these files, and none of their headers.
 set(used opencv_core yaml-cpp spirv-cross-c-shared ${CMAKE_DL_LIBS})
-if(TARGET rosefusion_loops)
-  list(APPEND parts loops codec)
+if(ROSEFUSION_LOOP_CLOSURE)
+  list(APPEND parts codec)
   list(APPEND used ceres glog zstd)
 endif()
 set(objects "")

@@ -15,7 +15,7 @@
 #include "host/bench/network_bench.h"
 #include "host/bench/pass_bench.h"
 #include "host/bench/tracking_suite.h"
-#include "host/error.h"
+#include "host/core/error.h"
 
 namespace rosefusion::cli {
 namespace {

@@ -9,8 +9,8 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/validators.h"
+#include "host/core/error.h"
 #include "host/datasets/inspection.h"
-#include "host/error.h"
 
 namespace rosefusion::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include "apps/cli/commands.h"
 #include "engine/error.h"
 #include "engine/passes/sum_check.h"
-#include "host/error.h"
+#include "host/core/error.h"
 
 namespace rosefusion::cli {
 namespace {

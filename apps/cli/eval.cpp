@@ -11,8 +11,8 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/validators.h"
+#include "host/core/error.h"
 #include "host/datasets/sequence.h"
-#include "host/error.h"
 #include "host/evaluation/report_json.h"
 #include "host/evaluation/trajectory_error.h"
 #include "host/evaluation/trajectory_plot.h"

@@ -8,12 +8,12 @@
 #include <string>
 
 #include "apps/cli/commands.h"
-#include "host/error.h"
+#include "host/core/error.h"
+#include "host/core/trajectory.h"
 #include "host/evaluation/alignment.h"
 #include "host/evaluation/mesh_error.h"
 #include "host/evaluation/report_json.h"
 #include "host/export/mesh_io.h"
-#include "host/trajectory.h"
 
 namespace rosefusion::cli {
 namespace {

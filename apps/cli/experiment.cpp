@@ -10,9 +10,9 @@
 #include "apps/cli/exit_code.h"
 #include "apps/cli/interrupt.h"
 #include "apps/cli/progress.h"
-#include "host/error.h"
+#include "host/core/error.h"
+#include "host/core/file_io.h"
 #include "host/experiments/suite.h"
-#include "host/file_io.h"
 
 namespace rosefusion::cli {
 namespace {

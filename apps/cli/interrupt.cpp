@@ -4,7 +4,7 @@
 #include <csignal>
 #include <cstdlib>
 
-#include "host/error.h"
+#include "host/core/error.h"
 
 namespace rosefusion::cli {
 namespace {

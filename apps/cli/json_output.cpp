@@ -1,7 +1,7 @@
 #include <iostream>
 
 #include "apps/cli/commands.h"
-#include "host/file_io.h"
+#include "host/core/file_io.h"
 
 namespace rosefusion::cli {
 

@@ -6,7 +6,7 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/exit_code.h"
 #include "apps/guarded_main.h"
-#include "host/error.h"
+#include "host/core/error.h"
 
 namespace {
 

@@ -10,9 +10,9 @@
 #include "apps/cli/progress.h"
 #include "apps/cli/source_options.h"
 #include "engine/error.h"
-#include "host/error.h"
-#include "host/file_io.h"
-#include "host/log_to_spdlog.h"
+#include "host/core/error.h"
+#include "host/core/file_io.h"
+#include "host/core/log_to_spdlog.h"
 #include "host/run/output.h"
 #include "host/run/report.h"
 

@@ -12,7 +12,7 @@
 #include "apps/cli/interrupt.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/source_options.h"
-#include "host/error.h"
+#include "host/core/error.h"
 
 namespace rosefusion::cli {
 namespace {

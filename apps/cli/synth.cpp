@@ -15,7 +15,7 @@
 #include "apps/cli/exit_code.h"
 #include "apps/cli/interrupt.h"
 #include "apps/cli/progress.h"
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/synth/tum_writer.h"
 
 namespace rosefusion::cli {

@@ -6,7 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "host/file_io.h"
+#include "host/core/file_io.h"
 
 namespace rosefusion::viewer {
 namespace {

@@ -11,7 +11,7 @@
 #include "apps/viewer/panels.h"
 #include "apps/viewer/scene.h"
 #include "apps/viewer/window.h"
-#include "host/error.h"
+#include "host/core/error.h"
 
 namespace rosefusion::viewer {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "host/shader_types.h"
+#include "host/slam/shader_types.h"
 
 namespace rosefusion::viewer {
 namespace {

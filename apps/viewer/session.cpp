@@ -5,10 +5,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/error.h"
-#include "host/error.h"
+#include "host/core/error.h"
+#include "host/core/file_io.h"
 #include "host/export/mesh_io.h"
-#include "host/file_io.h"
-#include "host/run/mesh_extraction.h"
+#include "host/slam/mapping/mesh_extraction.h"
 
 namespace rosefusion::viewer {
 namespace {

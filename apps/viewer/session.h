@@ -9,7 +9,7 @@
 #include <optional>
 #include <thread>
 
-#include "host/pipeline.h"
+#include "host/slam/pipeline.h"
 #include "host/sources/open_source.h"
 
 namespace rosefusion::viewer {

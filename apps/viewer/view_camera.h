@@ -1,6 +1,6 @@
 // From where the model is looked at: around it, behind the camera, or through it.
 #pragma once
-#include "host/camera.h"
+#include "host/core/camera.h"
 
 namespace rosefusion::viewer {
 

@@ -7,7 +7,7 @@
 
 #include "host/bench/seen_before.h"
 #include "host/bench/tracking_suite.h"
-#include "host/error.h"
+#include "host/core/error.h"
 
 namespace rosefusion {
 namespace {

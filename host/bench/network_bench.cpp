@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "host/bench/stopwatch.h"
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/sources/stream.h"
 
 namespace rosefusion {

@@ -11,9 +11,9 @@
 #include "engine/passes/raycast.h"
 #include "host/bench/native_fitness.h"
 #include "host/bench/stopwatch.h"
-#include "host/frame_fuser.h"
-#include "host/log_to_spdlog.h"
-#include "host/shader_types.h"
+#include "host/core/log_to_spdlog.h"
+#include "host/slam/mapping/frame_integrator.h"
+#include "host/slam/shader_types.h"
 #include "host/swarm/template_sampling.h"
 #include "host/synth/sequence.h"
 

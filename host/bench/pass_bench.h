@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/device.h"
-#include "host/settings.h"
+#include "host/settings/settings.h"
 
 namespace rosefusion {
 

@@ -2,9 +2,9 @@
 #pragma once
 #include <vector>
 
-#include "host/camera.h"
-#include "host/frame.h"
-#include "host/trajectory.h"
+#include "host/core/camera.h"
+#include "host/core/frame.h"
+#include "host/core/trajectory.h"
 
 namespace rosefusion {
 

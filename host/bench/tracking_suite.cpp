@@ -11,9 +11,9 @@
 #include <memory>
 #include <optional>
 
-#include "host/error.h"
-#include "host/file_io.h"
-#include "host/log_to_spdlog.h"
+#include "host/core/error.h"
+#include "host/core/file_io.h"
+#include "host/core/log_to_spdlog.h"
 #include "host/synth/tum_writer.h"
 
 namespace rosefusion {

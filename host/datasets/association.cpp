@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "host/core/error.h"
 #include "host/datasets/image_file.h"
 #include "host/datasets/text_table.h"
-#include "host/error.h"
 
 namespace rosefusion::datasets {
 namespace {

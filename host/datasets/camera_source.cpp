@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/core/error.h"
 #include "host/datasets/text_table.h"
-#include "host/error.h"
 
 namespace rosefusion::datasets {
 namespace {

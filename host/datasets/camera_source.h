@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/camera.h"
+#include "host/core/camera.h"
 #include "host/datasets/sequence.h"
 #include "host/datasets/undistortion.h"
 

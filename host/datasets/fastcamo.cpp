@@ -1,9 +1,9 @@
 // FastCaMo as a folder (Zhang et al., TOG 2021): associations.txt with the colour image first; depth in
 // millimetres.
+#include "host/core/error.h"
 #include "host/datasets/association.h"
 #include "host/datasets/listing.h"
 #include "host/datasets/truth.h"
-#include "host/error.h"
 
 namespace rosefusion::datasets {
 namespace {

@@ -1,9 +1,9 @@
 // ICL-NUIM (Handa et al., ICRA 2014), TUM-compatible PNGs: associations.txt with the depth image first and
 // frame numbers as stamps; depth in 1/5000 m; rendered with y upwards, hence the negative fy.
+#include "host/core/error.h"
 #include "host/datasets/association.h"
 #include "host/datasets/listing.h"
 #include "host/datasets/truth.h"
-#include "host/error.h"
 
 namespace rosefusion::datasets {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "host/core/error.h"
 #include "host/datasets/image_file.h"
-#include "host/error.h"
 
 namespace rosefusion::datasets {
 

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <fstream>
 
+#include "host/core/error.h"
 #include "host/datasets/listing.h"
 #include "host/datasets/truth.h"
-#include "host/error.h"
 
 namespace rosefusion::datasets {
 namespace {

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <set>
 
+#include "host/core/error.h"
 #include "host/datasets/listing.h"
 #include "host/datasets/text_table.h"
 #include "host/datasets/truth.h"
-#include "host/error.h"
 
 namespace rosefusion::datasets {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "host/core/error.h"
 #include "host/datasets/image_sequence.h"
-#include "host/error.h"
 
 namespace rosefusion {
 namespace {

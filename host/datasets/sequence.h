@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "host/camera.h"
-#include "host/frame.h"
-#include "host/trajectory.h"
+#include "host/core/camera.h"
+#include "host/core/frame.h"
+#include "host/core/trajectory.h"
 
 namespace rosefusion {
 

@@ -1,10 +1,10 @@
 // 7-Scenes (Shotton et al., CVPR 2013): frame-NNNNNN.depth.png in millimetres with a .pose.txt each.
 #include <algorithm>
 
+#include "host/core/error.h"
 #include "host/datasets/listing.h"
 #include "host/datasets/text_table.h"
 #include "host/datasets/truth.h"
-#include "host/error.h"
 
 namespace rosefusion::datasets {
 namespace {

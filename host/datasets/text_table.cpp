@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "host/error.h"
+#include "host/core/error.h"
 
 namespace rosefusion::datasets {
 

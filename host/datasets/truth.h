@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "host/trajectory.h"
+#include "host/core/trajectory.h"
 
 namespace rosefusion::datasets {
 

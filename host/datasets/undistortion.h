@@ -2,7 +2,7 @@
 #pragma once
 #include <opencv2/core.hpp>
 
-#include "host/camera.h"
+#include "host/core/camera.h"
 
 namespace rosefusion::datasets {
 

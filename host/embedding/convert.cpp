@@ -1,6 +1,6 @@
 #include "host/embedding/convert.h"
 
-#include "host/shader_types.h"
+#include "host/slam/shader_types.h"
 
 namespace rosefusion {
 namespace {

@@ -3,10 +3,10 @@
 #include <utility>
 
 #include "engine/error.h"
-#include "host/error.h"
-#include "host/frame.h"
-#include "host/mesh.h"
-#include "host/pipeline.h"
+#include "host/core/error.h"
+#include "host/core/frame.h"
+#include "host/core/mesh.h"
+#include "host/slam/pipeline.h"
 #include "rosefusion/types.h"
 
 namespace rosefusion {

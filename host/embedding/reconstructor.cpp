@@ -4,7 +4,7 @@
 #include "engine/passes/extract.h"
 #include "host/embedding/reconstructor_impl.h"
 #include "host/embedding/vulkan_handles.h"
-#include "host/run/mesh_extraction.h"
+#include "host/slam/mapping/mesh_extraction.h"
 
 namespace rosefusion {
 namespace {

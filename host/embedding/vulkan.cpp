@@ -3,7 +3,7 @@
 #include "engine/passes/raycast.h"
 #include "host/embedding/reconstructor_impl.h"
 #include "host/embedding/vulkan_handles.h"
-#include "host/shader_types.h"
+#include "host/slam/shader_types.h"
 
 namespace rosefusion {
 

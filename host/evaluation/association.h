@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "host/trajectory.h"
+#include "host/core/trajectory.h"
 
 namespace rosefusion {
 

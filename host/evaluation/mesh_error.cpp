@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/evaluation/surface_distance.h"
 #include "host/evaluation/surface_sampling.h"
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "host/camera.h"
+#include "host/core/camera.h"
+#include "host/core/mesh.h"
 #include "host/evaluation/error_summary.h"
-#include "host/mesh.h"
 
 namespace rosefusion {
 

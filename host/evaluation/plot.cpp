@@ -12,8 +12,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "host/error.h"
-#include "host/file_io.h"
+#include "host/core/error.h"
+#include "host/core/file_io.h"
 
 namespace rosefusion {
 namespace {

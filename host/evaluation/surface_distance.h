@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "host/mesh.h"
+#include "host/core/mesh.h"
 
 namespace rosefusion {
 

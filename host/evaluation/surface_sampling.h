@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/mesh.h"
+#include "host/core/mesh.h"
 
 namespace rosefusion {
 

@@ -6,7 +6,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/evaluation/plot.h"
 
 namespace rosefusion {

@@ -7,7 +7,7 @@
 #include "host/bench/stopwatch.h"
 #include "host/experiments/families.h"
 #include "host/experiments/frame_study.h"
-#include "host/shader_types.h"
+#include "host/slam/shader_types.h"
 #include "host/swarm/random.h"
 
 namespace rosefusion {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "host/core/file_io.h"
 #include "host/experiments/families.h"
-#include "host/file_io.h"
 
 namespace rosefusion {
 

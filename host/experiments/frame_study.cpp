@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "host/frame_fuser.h"
-#include "host/log_to_spdlog.h"
-#include "host/shader_types.h"
+#include "host/core/log_to_spdlog.h"
+#include "host/slam/mapping/frame_integrator.h"
+#include "host/slam/shader_types.h"
 
 namespace rosefusion {
 namespace {

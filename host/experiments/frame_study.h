@@ -6,7 +6,7 @@
 #include "engine/passes/allocate.h"
 #include "engine/passes/integrate.h"
 #include "host/experiments/sequences.h"
-#include "host/pose_method.h"
+#include "host/slam/baselines/pose_methods.h"
 
 namespace rosefusion {
 

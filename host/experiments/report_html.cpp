@@ -7,7 +7,7 @@
 #include <iterator>
 #include <sstream>
 
-#include "host/error.h"
+#include "host/core/error.h"
 
 namespace rosefusion {
 namespace {

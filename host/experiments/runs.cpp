@@ -8,8 +8,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "host/file_io.h"
-#include "host/log_to_spdlog.h"
+#include "host/core/file_io.h"
+#include "host/core/log_to_spdlog.h"
 #include "host/run/report.h"
 
 namespace rosefusion {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <deque>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/synth/parallel.h"
 #include "host/synth/sequence.h"
 

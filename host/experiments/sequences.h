@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "host/core/mesh.h"
 #include "host/datasets/sequence.h"
 #include "host/experiments/experiment.h"
-#include "host/mesh.h"
 #include "host/run/reconstruction.h"
-#include "host/settings.h"
+#include "host/settings/settings.h"
 #include "host/synth/options.h"
 
 namespace rosefusion {

@@ -6,9 +6,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/error.h"
+#include "host/core/error.h"
+#include "host/core/file_io.h"
 #include "host/experiments/runs.h"
-#include "host/file_io.h"
 
 namespace rosefusion {
 namespace {

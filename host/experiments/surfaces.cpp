@@ -6,14 +6,14 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "host/core/log_to_spdlog.h"
 #include "host/evaluation/alignment.h"
 #include "host/evaluation/mesh_error.h"
 #include "host/experiments/families.h"
 #include "host/experiments/quoted.h"
 #include "host/experiments/runs.h"
-#include "host/log_to_spdlog.h"
-#include "host/run/mesh_extraction.h"
 #include "host/run/preview.h"
+#include "host/slam/mapping/mesh_extraction.h"
 
 namespace rosefusion {
 namespace {

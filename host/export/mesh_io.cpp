@@ -16,9 +16,9 @@
 #include <system_error>
 #include <unordered_map>
 
-#include "host/error.h"
+#include "host/core/error.h"
+#include "host/core/file_io.h"
 #include "host/export/ply_reader.h"
-#include "host/file_io.h"
 
 namespace rosefusion {
 namespace {

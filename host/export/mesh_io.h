@@ -2,7 +2,7 @@
 #pragma once
 #include <filesystem>
 
-#include "host/mesh.h"
+#include "host/core/mesh.h"
 
 namespace rosefusion {
 

@@ -10,7 +10,7 @@
 #include <sstream>
 #include <string>
 
-#include "host/error.h"
+#include "host/core/error.h"
 
 namespace rosefusion {
 namespace {

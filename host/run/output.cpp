@@ -6,12 +6,12 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "host/error.h"
+#include "host/core/error.h"
+#include "host/core/file_io.h"
 #include "host/export/mesh_io.h"
-#include "host/file_io.h"
-#include "host/run/mesh_extraction.h"
 #include "host/run/preview.h"
 #include "host/run/report.h"
+#include "host/slam/mapping/mesh_extraction.h"
 
 namespace rosefusion {
 

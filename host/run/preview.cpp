@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/passes/raycast.h"
-#include "host/shader_types.h"
+#include "host/slam/shader_types.h"
 
 namespace rosefusion {
 namespace {

@@ -3,8 +3,8 @@
 #include <opencv2/core/mat.hpp>
 #include <span>
 
-#include "host/pipeline.h"
-#include "host/trajectory.h"
+#include "host/core/trajectory.h"
+#include "host/slam/pipeline.h"
 
 namespace rosefusion {
 

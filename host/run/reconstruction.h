@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "host/pipeline.h"
+#include "host/slam/pipeline.h"
 #include "host/sources/sequence_source.h"
 
 namespace rosefusion {

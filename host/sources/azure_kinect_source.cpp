@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/sources/camera.h"
 
 namespace rosefusion {

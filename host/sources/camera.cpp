@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-#include "host/error.h"
+#include "host/core/error.h"
 
 namespace rosefusion {
 

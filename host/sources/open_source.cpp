@@ -2,7 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/sources/camera.h"
 
 namespace rosefusion {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/sources/camera.h"
 
 namespace rosefusion {

@@ -3,7 +3,7 @@
 // users.
 #include <librealsense2/rs.hpp>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/sources/camera.h"
 
 namespace rosefusion {

@@ -1,5 +1,5 @@
 // Built in place of the network streams where ZeroMQ or zstd is missing.
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/sources/stream.h"
 
 namespace rosefusion {

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <thread>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/sources/image_codec.h"
 #include "host/sources/wire.h"
 #include "host/sources/zmq_link.h"

@@ -3,7 +3,7 @@
 #include <deque>
 #include <random>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/sources/image_codec.h"
 #include "host/sources/wire.h"
 #include "host/sources/zmq_link.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "host/error.h"
+#include "host/core/error.h"
 
 namespace rosefusion::wire {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/camera.h"
+#include "host/core/camera.h"
 
 namespace rosefusion::wire {
 

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <random>
 
-#include "host/error.h"
-#include "host/file_io.h"
+#include "host/core/error.h"
+#include "host/core/file_io.h"
 #include "host/sources/wire.h"
 
 namespace rosefusion {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "host/error.h"
+#include "host/core/error.h"
 
 namespace rosefusion {
 

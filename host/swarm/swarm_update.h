@@ -7,7 +7,7 @@
 #include <span>
 #include <string_view>
 
-#include "host/camera.h"
+#include "host/core/camera.h"
 #include "host/swarm/swarm_settings.h"
 #include "host/swarm/template_sampling.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <system_error>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/swarm/template_file.h"
 #include "host/swarm/template_sampling.h"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "host/error.h"
-#include "host/file_io.h"
+#include "host/core/error.h"
+#include "host/core/file_io.h"
 
 namespace rosefusion {
 namespace {

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host/file_io.h"
+#include "host/core/file_io.h"
 
 namespace rosefusion {
 namespace {

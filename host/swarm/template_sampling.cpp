@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/swarm/poisson_ball.h"
 
 namespace rosefusion {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "host/log.h"
+#include "host/core/log.h"
 
 namespace rosefusion {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/synth/parallel.h"
 
 namespace rosefusion {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/synth/view.h"
 
 namespace rosefusion {

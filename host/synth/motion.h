@@ -2,10 +2,10 @@
 #pragma once
 #include <functional>
 
+#include "host/core/trajectory.h"
 #include "host/synth/arc_spline.h"
 #include "host/synth/free_space.h"
 #include "host/synth/options.h"
-#include "host/trajectory.h"
 
 namespace rosefusion {
 

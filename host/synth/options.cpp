@@ -3,7 +3,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "host/error.h"
+#include "host/core/error.h"
 
 namespace rosefusion {
 namespace {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "host/camera.h"
+#include "host/core/camera.h"
 #include "host/synth/scene.h"
 #include "host/synth/timing.h"
 

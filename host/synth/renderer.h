@@ -5,7 +5,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "host/camera.h"
+#include "host/core/camera.h"
 #include "host/synth/tracer.h"
 
 namespace rosefusion {

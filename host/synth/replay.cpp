@@ -4,7 +4,7 @@
 #include <limits>
 #include <sstream>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/synth/motion.h"
 #include "host/synth/view.h"
 

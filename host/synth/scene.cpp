@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/export/mesh_io.h"
 
 namespace rosefusion {

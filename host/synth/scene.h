@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "host/mesh.h"
+#include "host/core/mesh.h"
 
 namespace rosefusion {
 

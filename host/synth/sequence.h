@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "host/frame.h"
+#include "host/core/frame.h"
 #include "host/synth/motion.h"
 #include "host/synth/options.h"
 #include "host/synth/tracer.h"

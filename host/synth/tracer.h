@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "host/camera.h"
+#include "host/core/camera.h"
 #include "host/synth/scene.h"
 
 namespace rosefusion {

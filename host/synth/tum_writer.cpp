@@ -9,9 +9,9 @@
 #include <system_error>
 #include <vector>
 
-#include "host/error.h"
+#include "host/core/error.h"
+#include "host/core/file_io.h"
 #include "host/export/mesh_io.h"
-#include "host/file_io.h"
 #include "host/synth/noise.h"
 #include "host/synth/parallel.h"
 

@@ -1,6 +1,6 @@
 // How useful a view is for tracking, judged from a few rays.
 #pragma once
-#include "host/camera.h"
+#include "host/core/camera.h"
 #include "host/synth/tracer.h"
 
 namespace rosefusion {

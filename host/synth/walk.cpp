@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/synth/motion.h"
 
 namespace rosefusion {

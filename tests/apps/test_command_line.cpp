@@ -6,8 +6,8 @@
 #include <array>
 #include <cstdio>
 
-#include "host/error.h"
-#include "tests/host/base/temporary_folder.h"
+#include "host/core/error.h"
+#include "tests/host/core/temporary_folder.h"
 
 namespace rosefusion::testing {
 namespace test_command_line {

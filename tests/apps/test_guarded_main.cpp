@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/error.h"
-#include "host/error.h"
+#include "host/core/error.h"
 
 namespace rosefusion::testing {
 namespace test_guarded_main {

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "host/pipeline.h"
+#include "host/slam/pipeline.h"
 #include "rosefusion/vulkan.h"
 #include "tests/engine/caller.h"
 #include "tests/host/embedding/frames.h"

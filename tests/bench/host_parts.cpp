@@ -6,8 +6,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
+#include "host/core/file_io.h"
 #include "host/datasets/image_file.h"
-#include "host/file_io.h"
 #include "host/swarm/swarm_update.h"
 #include "host/synth/sequence.h"
 #ifdef ROSEFUSION_CODEC

@@ -5,9 +5,9 @@
 #include <optional>
 #include <set>
 
-#include "host/run/mesh_extraction.h"
+#include "host/slam/mapping/mesh_extraction.h"
 #include "tests/engine/surface_scene.h"
-#include "tests/reference/extract_reference.h"
+#include "tests/reference/extract.h"
 
 namespace rosefusion::testing {
 namespace test_extract {

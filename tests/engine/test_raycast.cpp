@@ -8,7 +8,7 @@
 #include "engine/passes/raycast.h"
 #include "tests/engine/surface_scene.h"
 #include "tests/reference/packed_surface.h"
-#include "tests/reference/raycast_reference.h"
+#include "tests/reference/raycast.h"
 
 namespace rosefusion::testing {
 namespace test_raycast {

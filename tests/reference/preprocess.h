@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "host/camera.h"
+#include "host/core/camera.h"
 #include "tests/reference/comparison.h"
 #include "tests/reference/depth_noise.h"
 

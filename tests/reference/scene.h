@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/camera.h"
+#include "host/core/camera.h"
 
 namespace rosefusion::reference {
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/sources/stream.h"
-#include "tests/host/base/temporary_folder.h"
+#include "tests/host/core/temporary_folder.h"
 #include "tests/host/sources/memory_sequence.h"
 
 namespace rosefusion::testing {

@@ -7,8 +7,8 @@
 #include "host/export/mesh_io.h"
 #include "host/synth/tum_writer.h"
 #include "tests/engine/validating_device.h"
-#include "tests/host/base/temporary_folder.h"
-#include "tests/host/pipeline/short_sequence.h"
+#include "tests/host/core/temporary_folder.h"
+#include "tests/host/slam/short_sequence.h"
 
 namespace rosefusion::testing {
 namespace test_tracking_suite {

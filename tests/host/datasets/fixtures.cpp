@@ -7,8 +7,8 @@
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
 
+#include "host/core/error.h"
 #include "host/datasets/sequence.h"
-#include "host/error.h"
 
 namespace rosefusion::test {
 

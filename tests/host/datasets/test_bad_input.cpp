@@ -1,9 +1,9 @@
 // Bad folders end in one sentence; one bad frame is skipped and the rest stays usable.
 #include <gmock/gmock.h>
 
+#include "host/core/error.h"
 #include "host/datasets/sequence.h"
 #include "host/datasets/truth.h"
-#include "host/error.h"
 #include "tests/host/datasets/fixtures.h"
 
 namespace rosefusion::test {

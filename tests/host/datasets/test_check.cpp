@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "tests/host/datasets/fixtures.h"
 
 namespace rosefusion::test {

@@ -1,7 +1,7 @@
 // The short generated sequence as a caller of the public headers has it.
 #pragma once
 #include "rosefusion/reconstructor.h"
-#include "tests/host/pipeline/short_sequence.h"
+#include "tests/host/slam/short_sequence.h"
 
 namespace rosefusion::testing {
 

@@ -3,11 +3,11 @@
 #include <cstdlib>
 #include <thread>
 
-#include "host/pipeline.h"
+#include "host/slam/pipeline.h"
 #include "rosefusion/vulkan.h"
 #include "tests/engine/caller.h"
 #include "tests/engine/validating_device.h"
-#include "tests/host/base/temporary_folder.h"
+#include "tests/host/core/temporary_folder.h"
 #include "tests/host/embedding/frames.h"
 
 namespace rosefusion::testing {

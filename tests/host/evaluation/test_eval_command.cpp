@@ -5,7 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "apps/cli/commands.h"
-#include "tests/host/base/temporary_folder.h"
+#include "tests/host/core/temporary_folder.h"
 #include "tests/host/evaluation/trajectories.h"
 
 namespace rosefusion {

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "host/evaluation/trajectory_plot.h"
-#include "tests/host/base/temporary_folder.h"
+#include "tests/host/core/temporary_folder.h"
 #include "tests/host/evaluation/trajectories.h"
 
 namespace rosefusion {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <random>
 
-#include "host/trajectory.h"
+#include "host/core/trajectory.h"
 
 namespace rosefusion::testing {
 

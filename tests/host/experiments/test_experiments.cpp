@@ -6,12 +6,12 @@
 #include <iterator>
 #include <map>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/experiments/sequences.h"
 #include "host/experiments/suite.h"
 #include "host/synth/tum_writer.h"
 #include "tests/engine/validating_device.h"
-#include "tests/host/base/temporary_folder.h"
+#include "tests/host/core/temporary_folder.h"
 
 namespace rosefusion::testing {
 namespace test_experiments {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <string>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/export/mesh_io.h"
 
 namespace rosefusion {

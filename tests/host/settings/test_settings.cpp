@@ -4,9 +4,9 @@
 
 #include <set>
 
-#include "host/error.h"
-#include "host/settings.h"
-#include "tests/host/base/temporary_folder.h"
+#include "host/core/error.h"
+#include "host/settings/settings.h"
+#include "tests/host/core/temporary_folder.h"
 
 namespace rosefusion::testing {
 namespace test_settings {

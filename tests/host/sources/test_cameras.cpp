@@ -1,7 +1,7 @@
 // Names of cameras, and what is said where there is none.
 #include "host/sources/camera.h"
 #include "host/sources/open_source.h"
-#include "tests/host/base/temporary_folder.h"
+#include "tests/host/core/temporary_folder.h"
 
 namespace rosefusion::testing {
 namespace test_cameras {

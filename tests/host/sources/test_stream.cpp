@@ -9,7 +9,7 @@
 #include "host/sources/image_codec.h"
 #include "host/sources/stream.h"
 #include "host/sources/wire.h"
-#include "tests/host/base/temporary_folder.h"
+#include "tests/host/core/temporary_folder.h"
 #include "tests/host/sources/cutting_proxy.h"
 #include "tests/host/sources/memory_sequence.h"
 

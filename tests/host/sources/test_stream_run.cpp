@@ -4,7 +4,7 @@
 #include "host/run/reconstruction.h"
 #include "host/sources/stream.h"
 #include "tests/engine/validating_device.h"
-#include "tests/host/pipeline/short_sequence.h"
+#include "tests/host/slam/short_sequence.h"
 #include "tests/host/sources/cutting_proxy.h"
 #include "tests/host/sources/memory_sequence.h"
 

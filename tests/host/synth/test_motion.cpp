@@ -6,7 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/synth/sequence.h"
 #include "host/synth/view.h"
 #include "tests/host/synth/small_options.h"

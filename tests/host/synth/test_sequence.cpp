@@ -10,7 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
-#include "host/error.h"
+#include "host/core/error.h"
 #include "host/export/mesh_io.h"
 #include "host/synth/shapes.h"
 #include "host/synth/tum_writer.h"

@@ -1,0 +1,104 @@
+#include "host/core/file_io.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include "host/core/error.h"
+
+namespace rosefusion {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// What is there and is no regular file: a device or a pipe, possibly behind a link.
+bool isSpecial(const fs::path& file) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
+/// Where the bytes go first.
+fs::path temporaryFor(const fs::path& file) {
+  fs::path temporary = file;
+  return temporary += ".part";
+}
+
+void makeParent(const fs::path& file) {
+  if (!file.has_parent_path()) return;
+  std::error_code error;
+  fs::create_directories(file.parent_path(), error);
+  if (error)
+    throw InputError(file.parent_path().string() + ": the folder cannot be made (" + error.message() +
+                     "); choose another output folder.");
+}
+
+[[noreturn]] void failToWrite(const fs::path& file, int code) {
+  throw InputError(file.string() + ": cannot be written (" + std::strerror(code) +
+                   "); free some space or choose another output folder.");
+}
+
+}  // namespace
+
+void requireWritable(const fs::path& file) {
+  makeParent(file);
+  std::error_code error;
+  if (fs::is_directory(file, error)) failToWrite(file, EISDIR);
+  if (isSpecial(file)) return;
+  const fs::path temporary = temporaryFor(file);
+  std::FILE* out = std::fopen(temporary.c_str(), "wb");
+  if (!out) failToWrite(file, errno);
+  std::fclose(out);
+  fs::remove(temporary, error);
+}
+
+void writeFileAtomically(const fs::path& named, std::string_view bytes) {
+  std::error_code error;
+  makeParent(named);
+  const bool special = isSpecial(named);
+  const fs::path target = fs::is_symlink(named, error) && !special ? fs::canonical(named, error) : fs::path();
+  const fs::path& file = target.empty() ? named : target;
+  const fs::path temporary = special ? file : temporaryFor(file);
+  const auto fail = [&](int code) {
+    if (!special) fs::remove(temporary, error);
+    failToWrite(named, code);
+  };
+  std::FILE* out = std::fopen(temporary.c_str(), "wb");
+  if (!out) fail(errno);
+  const bool wrote = std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size() && std::fflush(out) == 0;
+  const int write_error = errno;
+  const bool closed = std::fclose(out) == 0;
+  if (!wrote) fail(write_error);
+  if (!closed) fail(errno);
+  if (special) return;
+  fs::rename(temporary, file, error);
+  if (error) fail(error.value());
+}
+
+std::filesystem::path settledPath(const std::filesystem::path& path) {
+  const fs::path whole = fs::absolute(path).lexically_normal();
+  return whole.has_filename() ? whole : whole.parent_path();
+}
+
+ScratchFolder::ScratchFolder(const std::string& purpose) {
+  std::error_code error;
+  const fs::path folder = fs::temp_directory_path(error);
+  const char* wanted = std::getenv("TMPDIR");
+  std::string pattern =
+      ((error && wanted ? fs::path(wanted) : folder) / ("rosefusion-" + purpose + "-XXXXXX")).string();
+  if (!mkdtemp(pattern.data()))
+    throw InputError(pattern +
+                     ": no temporary folder can be made; point TMPDIR to a folder that can be written.");
+  path_ = pattern;
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+}  // namespace rosefusion

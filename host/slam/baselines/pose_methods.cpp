@@ -1,0 +1,98 @@
+#include "host/slam/baselines/pose_methods.h"
+
+#include "host/slam/baselines/free_swarm_search.h"
+#include "host/slam/baselines/icp.h"
+
+namespace rosefusion {
+namespace {
+
+TrackResult asTrackResult(const SwarmResult& found) {
+  return {found.world_from_camera, found.iterations, found.lookups, {}};
+}
+
+class PstMethod : public PoseMethod {
+ public:
+  explicit PstMethod(SwarmSearch& search) : search_(search) {}
+  TrackResult track(const PreprocessPass& frame, const Volume& volume, const Pose& last,
+                    const SearchObserver& observer) override {
+    return asTrackResult(search_.search(frame, volume, last, last, observer));
+  }
+
+ private:
+  SwarmSearch& search_;
+};
+
+class FreeSwarmMethod : public PoseMethod {
+ public:
+  FreeSwarmMethod(Device& device, const Settings& settings, const Intrinsics& intrinsics,
+                  const TemplateSet& templates)
+      : search_(device, settings, intrinsics, templates) {}
+  TrackResult track(const PreprocessPass& frame, const Volume& volume, const Pose& last,
+                    const SearchObserver& observer) override {
+    return asTrackResult(search_.search(frame, volume, last, last, observer));
+  }
+
+ private:
+  FreeSwarmSearch search_;
+};
+
+class GaussNewtonMethod : public PoseMethod {
+ public:
+  GaussNewtonMethod(Refiner& refiner, const RefineSettings& settings)
+      : refiner_(refiner), settings_(settings) {}
+  TrackResult track(const PreprocessPass& frame, const Volume& volume, const Pose& last,
+                    const SearchObserver&) override {
+    TrackResult result;
+    const auto descend = [&](int stride, int iterations, const Pose& start) {
+      refiner_.look(frame, stride);
+      result.fit = refiner_.refine(volume, std::vector<Pose>{start}, iterations, last)[0];
+      result.iterations += iterations;
+    };
+    descend(settings_.coarse_pixel_stride, settings_.coarse_iterations, last);
+    descend(settings_.pixel_stride, settings_.iterations, result.fit->world_from_camera);
+    result.world_from_camera = result.fit->world_from_camera;
+    result.lookups = kVoxelsPerPoint * refiner_.takePointsRead();
+    return result;
+  }
+
+ private:
+  Refiner& refiner_;
+  const RefineSettings settings_;
+};
+
+class IcpMethod : public PoseMethod {
+ public:
+  IcpMethod(Device& device, const Settings& settings, const Intrinsics& intrinsics)
+      : icp_(device, settings, intrinsics) {}
+  TrackResult track(const PreprocessPass& frame, const Volume& volume, const Pose& last,
+                    const SearchObserver&) override {
+    const IcpResult found = icp_.align(frame, volume, last);
+    return {found.world_from_camera, found.iterations, found.points_read, {}};
+  }
+
+ private:
+  Icp icp_;
+};
+
+}  // namespace
+
+std::unique_ptr<PoseMethod> makePoseMethod(Device& device, const Settings& settings,
+                                           const Intrinsics& intrinsics, SwarmSearch& search,
+                                           Refiner& refiner) {
+  switch (settings.tracking.method) {
+    case TrackingMethod::kDefault:
+      return nullptr;
+    case TrackingMethod::kPst:
+      return std::make_unique<PstMethod>(search);
+    case TrackingMethod::kPfo:
+    case TrackingMethod::kPso:
+      return std::make_unique<FreeSwarmMethod>(device, settings, intrinsics, search.templates());
+    case TrackingMethod::kGaussNewton:
+      return std::make_unique<GaussNewtonMethod>(refiner, settings.refine);
+    case TrackingMethod::kIcp:
+      return std::make_unique<IcpMethod>(device, settings, intrinsics);
+  }
+  return nullptr;
+}
+
+}  // namespace rosefusion

@@ -1,0 +1,16 @@
+// The paper's pose search and those it is compared with, behind one interface; tracking.method chooses.
+#pragma once
+#include <memory>
+
+#include "host/slam/tracking/pose_method.h"
+#include "host/slam/tracking/pose_refiner.h"
+#include "host/slam/tracking/swarm_search.h"
+
+namespace rosefusion {
+
+/// None for method default, which is Tracker's own. `search` and `refiner` must outlive the result.
+std::unique_ptr<PoseMethod> makePoseMethod(Device& device, const Settings& settings,
+                                           const Intrinsics& intrinsics, SwarmSearch& search,
+                                           Refiner& refiner);
+
+}  // namespace rosefusion

@@ -1,0 +1,52 @@
+// From a depth image to the volume: what the device is to do, recorded step by step and submitted by the
+// caller.
+#pragma once
+#include "engine/passes/allocate.h"
+#include "engine/passes/integrate.h"
+#include "host/core/camera.h"
+#include "host/core/frame.h"
+#include "host/settings/settings.h"
+
+namespace rosefusion {
+
+/// What the settings ask of the model's volume.
+VolumeOptions volumeOptions(const VolumeSettings& settings);
+
+/// Holds the current frame on the device. recordSearch() and grow(), repeated while grow() says so, come
+/// before recordFusion(); each is submitted and has run before the next. The Device must outlive it. One
+/// thread.
+class FrameFuser {
+ public:
+  FrameFuser(Device& device, const Settings& settings, const Intrinsics& intrinsics,
+             double depth_units_per_metre);
+
+  /// Copies the images at once. Throws InputError for a depth image of another size or type; colour of
+  /// another size is left out.
+  void recordFrame(Recorder& recorder, const Frame& frame);
+  /// The same of depths that are on the device already, without colour.
+  void recordFrame(Recorder& recorder, const DevicePixels& depth);
+  /// Lists the voxel blocks that the frame needs.
+  void recordSearch(Recorder& recorder, const Volume& volume, const Pose& world_from_camera);
+  /// Gives the volume those blocks; see AllocatePass::finish().
+  bool grow(Volume& volume) { return allocate_.finish(volume); }
+  void recordFusion(Recorder& recorder, const Volume& volume, const Pose& world_from_camera);
+  /// All three for a frame that was recorded and submitted before; waits for their end.
+  void fuse(Recorder& recorder, Volume& volume, const Pose& world_from_camera);
+
+  const PreprocessPass& frame() const { return preprocess_; }
+
+ private:
+  template <typename Depth>
+  void recordDepth(Recorder& recorder, const Depth& depth);
+  std::span<const std::uint32_t> wordsOf(const cv::Mat& bgr);
+
+  Settings settings_;
+  Intrinsics intrinsics_;
+  double depth_units_per_metre_;
+  std::vector<std::uint32_t> words_;  ///< the last colour image, as the device takes it
+  PreprocessPass preprocess_;
+  AllocatePass allocate_;
+  IntegratePass integrate_;
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,293 @@
+#include "host/slam/pipeline.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+#include "host/core/error.h"
+#include "host/slam/baselines/pose_methods.h"
+
+namespace rosefusion {
+namespace {
+
+/// Adds the time from its construction to its end.
+class StageTimer {
+ public:
+  explicit StageTimer(double& milliseconds) : milliseconds_(milliseconds) {}
+  ~StageTimer() { milliseconds_ += std::chrono::duration<double, std::milli>(Clock::now() - start_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double& milliseconds_;
+  Clock::time_point start_ = Clock::now();
+};
+
+TemplateSet templatesFor(const Settings& s, const Log& log) {
+  TemplateOptions options;
+  options.sizes.clear();
+  for (const SwarmLevel& level : s.swarm.levels) options.sizes.push_back(level.particles);
+  options.count = s.tracking.templates_per_level;
+  options.seed = s.tracking.seed;
+  const auto say_once = [&](int done, int) {
+    if (done == 1 && log)
+      log(Severity::Info, "generating the swarm templates, once for this user and these sizes: some 10 s");
+  };
+  return loadOrGenerate(defaultTemplateCache(options), options, say_once, log);
+}
+
+std::string percent(double share) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.0f %%", 100 * share);
+  return text;
+}
+
+/// The status that the numbers speak for, and why.
+void judge(const TrackingSettings& limits, FrameResult& result) {
+  const PoseScore& score = result.score;
+  result.status = TrackingStatus::Tracked;
+  if (score.valid_share < limits.min_valid_share) {
+    result.status = TrackingStatus::Lost;
+    result.reason = "only " + percent(score.valid_share) + " of the pixels have valid depth";
+  } else if (score.overlap == 0) {
+    result.status = TrackingStatus::Lost;
+    result.reason = "no pixel overlaps the last frame";
+  } else if (score.residual > limits.lost_residual) {
+    result.status = TrackingStatus::Lost;
+    result.reason = "the depth misses the model by " + percent(score.residual) + " of the truncation";
+  } else if (score.overlap < limits.uncertain_overlap) {
+    result.status = TrackingStatus::Uncertain;
+    result.reason = "only " + percent(score.overlap) + " of the pixels overlap the last frame";
+  } else if (score.residual > limits.uncertain_residual) {
+    result.status = TrackingStatus::Uncertain;
+    result.reason = "the depth misses the model by " + percent(score.residual) + " of the truncation";
+  }
+}
+
+// The noise of colours feigns slopes: worked out for a model of one image of a white wall, 3 m away, it seems
+// to hold the pose by 4 times refine.least_constraint.
+constexpr double kColourConstraint = 5;
+
+/// A pose whose depth leaves a direction open is held there by the motion model, and may drift.
+void judgeConstraint(const RefineSettings& limits, FrameResult& result) {
+  if (!result.fit || result.status != TrackingStatus::Tracked) return;
+  const double factor = result.fit->colour_cost > 0 ? kColourConstraint : kWeakConstraint;
+  if (result.fit->constraint >= factor * limits.least_constraint) return;
+  result.status = TrackingStatus::Uncertain;
+  result.reason =
+      result.fit->constraint < limits.least_constraint
+          ? "the depth leaves a direction open, as a flat wall does; past motion holds it"
+          : "the depth hardly holds a direction, as before a nearly flat wall; the pose may drift there";
+}
+
+}  // namespace
+
+const char* toString(TrackingStatus status) {
+  return status == TrackingStatus::Tracked       ? "tracked"
+         : status == TrackingStatus::Uncertain   ? "uncertain"
+         : status == TrackingStatus::Relocalised ? "relocalised"
+                                                 : "lost";
+}
+
+Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& intrinsics,
+                   double depth_units_per_metre, const Log& log)
+    : device_(device),
+      settings_((requireConsistent(settings), settings)),
+      intrinsics_(intrinsics),
+      depth_units_per_metre_(depth_units_per_metre),
+      recorder_(device),
+      volume_(device, volumeOptions(settings.volume)),
+      fuser_(device, settings, intrinsics, depth_units_per_metre),
+      tracker_(device, settings, intrinsics, templatesFor(settings, log)),
+      relocaliser_(settings, tracker_),
+      seen_through_(intrinsics, settings.depth, depth_units_per_metre),
+      overview_(device, settings, intrinsics, depth_units_per_metre) {
+  tracker_.replaceBy(
+      makePoseMethod(device, settings, intrinsics, tracker_.swarmSearch(), tracker_.refiner()));
+  if (settings.loops.enabled)
+    loops_ = makeLoopCloser(device, settings, intrinsics, depth_units_per_metre, tracker_.templates());
+}
+
+void Pipeline::changeLive(const Settings& settings) {
+  Settings changed = settings_;
+  for (const SettingsField& field : settingsTable())
+    if (isLiveSetting(field.key)) setField(changed, field.key, fieldText(settings, field), "a live change");
+  requireConsistent(changed);
+  settings_ = changed;
+}
+
+FrameResult Pipeline::processFrame(const Frame& frame) {
+  FrameResult result;
+  result.timestamp = frame.timestamp;
+  const StageTimer total(result.milliseconds.total);
+  {
+    const StageTimer timer(result.milliseconds.preprocess);
+    fuser_.recordFrame(recorder_, frame);
+    recorder_.submit();
+  }
+  tracker_.move(frame.motion);
+  {
+    const StageTimer timer(result.milliseconds.track);
+    track(frame, result);
+  }
+  if (result.status == TrackingStatus::Lost) {
+    intruded_ = false;
+    if (supposed_)
+      tracker_.suppose(*supposed_, result.timestamp);
+    else if (started_)
+      tracker_.lose();
+    if (loops_) loops_->breakOff();
+    return result;
+  }
+  result.fused = result.status != TrackingStatus::Relocalised && !intruded_;
+  if (result.fused) {
+    const StageTimer timer(result.milliseconds.integrate);
+    fuser_.fuse(recorder_, volume_, result.world_from_camera);
+    seen_through_.keep(frame.depth, result.world_from_camera, posed_frames_);
+    if (result.fit) usual_fit_.add(*result.fit);
+    started_ = true;
+  }
+  if (result.status == TrackingStatus::Relocalised) {
+    tracker_.suppose(result.world_from_camera, result.timestamp);
+  } else {
+    tracker_.accept(result.world_from_camera, result.timestamp);
+    if (result.fused && becomesKeyframe(result.world_from_camera))
+      overview_.add(fuser_, recorder_, frame.depth, result.world_from_camera, posed_frames_);
+  }
+  ++posed_frames_;
+  if (loops_) closeLoops(frame, result);
+  return result;
+}
+
+void Pipeline::closeLoops(const Frame& frame, FrameResult& result) {
+  const StageTimer timer(result.milliseconds.loops);
+  result.loop = loops_->add(frame, fuser_.frame(), result.world_from_camera, result.fused,
+                            result.status == TrackingStatus::Tracked);
+  if (!result.loop) return;
+  loops_->rebuild(volume_);
+  const std::vector<Pose> poses = loops_->framePoses();
+  result.world_from_camera = poses.back();
+  tracker_.rebase(result.world_from_camera);
+  relocaliser_.rebase(loops_->keyframePoses());
+  overview_.rebase(poses);
+  overview_stale_ = true;
+  seen_through_.rebase(poses);
+}
+
+bool Pipeline::becomesKeyframe(const Pose& world_from_camera) {
+  return !tracker_.isReplaced() && relocaliser_.addKeyframe(world_from_camera);
+}
+
+void Pipeline::finish() {
+  if (loops_ && loops_->finish()) loops_->rebuild(volume_);
+}
+
+/// What came before the camera is gone when the image shows the model again; that it is no longer where the
+/// last fused frame looked is not enough.
+bool Pipeline::isIntruded(const FrameResult& result) {
+  if (result.intruding > settings_.tracking.intruding_share) return true;
+  return intruded_ &&
+         !(result.fit && result.intruding <= kIntrudingWhenFound * settings_.tracking.intruding_share &&
+           result.fit->holds(settings_.tracking.relocalised_share, settings_.refine.least_constraint));
+}
+
+void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result) {
+  using Standing = Confirmation::Standing;
+  const bool searching = tracker_.isLost() || confirmation_.isAwaited();
+  const std::optional<Believed> believed =
+      believe(settings_, seen_through_, frame.depth, found, unsure,
+              usual_fit_.asked(searching, settings_.tracking.intruding_share));
+  if (believed) result.fit = believed->fit;
+  result.intruding = seen_through_.shareOfAll(frame.depth, result.fit->world_from_camera);
+  const Standing standing =
+      confirmation_.next(believed, settings_.tracking.relocalised_share, unsure, tracker_.isLost());
+  if (standing == Standing::Refused) {
+    result.status = TrackingStatus::Lost;
+    result.reason = "the frame fits nowhere in the model surely enough";
+  } else if (standing == Standing::Supposed) {
+    supposed_ = result.fit->world_from_camera;
+    result.status = TrackingStatus::Lost;
+    result.reason = "found again, it seems; told once the next frames agree";
+  } else if (standing == Standing::Agreeing) {
+    result.world_from_camera = result.fit->world_from_camera;
+    result.status = TrackingStatus::Relocalised;
+    result.reason = unsure ? "a sudden change; fused once the next frames agree"
+                    : confirmation_.knows()
+                        ? "agrees with the frame before; fused once one more does"
+                        : "agrees with the frame before; fused once more of what it shows is known";
+  } else {
+    result.world_from_camera = result.fit->world_from_camera;
+    result.status = TrackingStatus::Tracked;
+    result.score = tracker_.score(fuser_.frame(), volume_, result.world_from_camera);
+    judgeConstraint(settings_.refine, result);
+  }
+}
+
+void Pipeline::track(const Frame& frame, FrameResult& result) {
+  supposed_.reset();
+  result.world_from_camera = tracker_.last();
+  result.score = tracker_.score(fuser_.frame(), volume_, tracker_.last());
+  if (!started_) {
+    result.score.residual = 0;  // there is no model yet to differ from
+    judge(settings_.tracking, result);
+    return;
+  }
+  if (result.score.valid_share < settings_.tracking.min_valid_share) return judge(settings_.tracking, result);
+  if (tracker_.isLost() && std::exchange(overview_stale_, false)) loops_->rebuild(overview_.volume());
+  const TrackResult found = tracker_.isLost() ? relocaliser_.find(fuser_.frame(), frame.depth, volume_,
+                                                                  overview_, seen_through_, result.timestamp)
+                                              : tracker_.track(fuser_.frame(), volume_, result.timestamp);
+  result.iterations = found.iterations;
+  result.lookups = found.lookups;
+  result.fit = found.fit;
+  const bool unsure = tracker_.isLost() || found.doubtful;
+  if (unsure || confirmation_.isAwaited()) return confirm(frame, found, unsure, result);
+  result.score = tracker_.score(fuser_.frame(), volume_, found.world_from_camera);
+  judge(settings_.tracking, result);
+  judgeConstraint(settings_.refine, result);
+  if (result.status != TrackingStatus::Lost) {
+    result.intruding = seen_through_.shareOfLast(frame.depth, found.world_from_camera);
+    intruded_ = isIntruded(result);
+  }
+  if (intruded_ && result.status != TrackingStatus::Lost) {
+    const double share = kShareOfNext * settings_.tracking.relocalised_share;
+    const bool held = result.fit && result.fit->holds(share, settings_.refine.least_constraint);
+    result.status = held ? TrackingStatus::Uncertain : TrackingStatus::Lost;
+    result.reason = "something came before the camera (" + percent(result.intruding) + " of the image)" +
+                    (held ? "; not fused until it is gone" : " and hides the scene");
+  }
+  if (result.status != TrackingStatus::Lost) result.world_from_camera = found.world_from_camera;
+}
+
+void Pipeline::fuseFrame(const Frame& frame, const Pose& world_from_camera) {
+  requireFixedPoses();
+  fuser_.recordFrame(recorder_, frame);
+  recorder_.submit();
+  fuser_.fuse(recorder_, volume_, world_from_camera);
+  accept(world_from_camera, frame.timestamp, frame.depth);
+}
+
+FrameFuser Pipeline::makeFuser() {
+  requireFixedPoses();
+  return {device_, settings_, intrinsics_, depth_units_per_metre_};
+}
+
+void Pipeline::requireFixedPoses() const {
+  if (loops_)
+    throw InputError(
+        "loops.enabled moves poses, and cannot be on where frames of known pose are fused; leave it off.");
+}
+
+void Pipeline::accept(const Pose& world_from_camera, double timestamp, const cv::Mat& depth) {
+  if (!depth.empty()) seen_through_.keep(depth, world_from_camera, posed_frames_);
+  started_ = true;
+  confirmation_.end();
+  const std::size_t number = posed_frames_++;
+  tracker_.accept(world_from_camera, timestamp);
+  if (!becomesKeyframe(world_from_camera) || depth.empty()) return;
+  fuser_.recordFrame(recorder_, Frame{timestamp, depth, {}, {}});
+  recorder_.submit();
+  overview_.add(fuser_, recorder_, depth, world_from_camera, number);
+}
+
+}  // namespace rosefusion

@@ -1,0 +1,114 @@
+// The reconstruction: depth frames in, poses and a growing model out.
+#pragma once
+#include <string>
+
+#include "host/core/log.h"
+#include "host/slam/loop_closure/loop_closer.h"
+#include "host/slam/mapping/coarse_map.h"
+#include "host/slam/mapping/frame_integrator.h"
+#include "host/slam/mapping/free_space.h"
+#include "host/slam/relocalisation/pose_verification.h"
+#include "host/slam/relocalisation/relocaliser.h"
+#include "host/slam/tracking/tracker.h"
+
+namespace rosefusion {
+
+/// Relocalised: found in the model after a loss, where two frames agree, or after a sudden change; not fused
+/// until the next frames agree.
+enum class TrackingStatus { Tracked, Uncertain, Relocalised, Lost };
+const char* toString(TrackingStatus status);
+
+struct StageMilliseconds {
+  double total = 0;
+  double preprocess = 0;
+  double track = 0;
+  double integrate = 0;
+  double loops = 0;
+};
+
+struct FrameResult {
+  double timestamp = 0;
+  /// World = the camera of the first fused frame. When lost: the last pose that was tracked or uncertain.
+  Pose world_from_camera = Pose::Identity();
+  TrackingStatus status = TrackingStatus::Lost;
+  std::string reason;          ///< plain words; empty when tracked
+  PoseScore score;             ///< the numbers behind the status
+  std::optional<PoseFit> fit;  ///< and those of the descent, where there was one
+  /// Share of the valid pixels in space that the last fused frame saw to be empty: something has come before
+  /// the camera, or the pose is wrong.
+  double intruding = 0;
+  bool fused = false;
+  std::optional<LoopClosure>
+      loop;  ///< closed at this frame: all earlier poses have changed; see LoopCloser::framePoses()
+  int iterations = 0;
+  std::uint64_t lookups = 0;
+  StageMilliseconds milliseconds;
+};
+
+/// Owns the volume and the tracker; the Device must outlive it. One thread at a time.
+class Pipeline {
+ public:
+  /// Throws InputError for settings that do not go together and DeviceError when the device cannot hold them.
+  /// `log` is used until the constructor returns.
+  Pipeline(Device& device, const Settings& settings, const Intrinsics& intrinsics,
+           double depth_units_per_metre, const Log& log = {});
+
+  /// Tracks and fuses one frame (see host/core/frame.h); colour and motion may be empty. A lost frame is a
+  /// result and is not fused. Throws DeviceError (OutOfMemory) when the model outgrows the device: what was
+  /// fused before stays whole.
+  FrameResult processFrame(const Frame& frame);
+  /// Fuses a frame whose pose is known; tracking goes on from there. Throws as processFrame(), and InputError
+  /// with loops.enabled.
+  void fuseFrame(const Frame& frame, const Pose& world_from_camera);
+  /// Tells that a frame of known pose was fused into volume() by a fuser of the caller's. `depth`: as
+  /// Frame::depth; empty where it is on the device alone, and later images are then not compared with it.
+  void accept(const Pose& world_from_camera, double timestamp, const cv::Mat& depth);
+  /// After the last frame, with loops.enabled: all loops are weighed once more. Throws as processFrame().
+  void finish();
+  /// With loops.enabled, null without.
+  const LoopCloser* loops() const { return loops_.get(); }
+  /// For frames of known pose, which accept() is told of. Throws InputError with loops.enabled.
+  FrameFuser makeFuser();
+
+  /// For displays: told of every iteration of a search with particles, from within processFrame().
+  void observe(SearchObserver observer) { tracker_.observe(std::move(observer)); }
+  /// Takes over what may change between frames: the limits of tracked, uncertain and lost, and the mesh's
+  /// settings (isLiveSetting()). Throws InputError for settings that do not go together.
+  void changeLive(const Settings& settings);
+
+  Device& device() { return device_; }
+  Volume& volume() { return volume_; }
+  const Settings& settings() const { return settings_; }
+  const Intrinsics& intrinsics() const { return intrinsics_; }
+
+ private:
+  void track(const Frame& frame, FrameResult& result);
+  void confirm(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result);
+  bool isIntruded(const FrameResult& result);
+  /// Where the camera is never lost, keyframes serve nobody.
+  bool becomesKeyframe(const Pose& world_from_camera);
+  void closeLoops(const Frame& frame, FrameResult& result);
+  void requireFixedPoses() const;
+
+  Device& device_;
+  Settings settings_;
+  Intrinsics intrinsics_;
+  double depth_units_per_metre_;
+  Recorder recorder_;
+  Volume volume_;
+  FrameFuser fuser_;
+  Tracker tracker_;
+  Relocaliser relocaliser_;
+  SeenThrough seen_through_;
+  Overview overview_;                  ///< of the keyframes
+  bool overview_stale_ = false;        ///< a loop was closed: to be made anew before it is next looked at
+  std::unique_ptr<LoopCloser> loops_;  ///< with loops.enabled
+  std::size_t posed_frames_ = 0;       ///< so far, as the loop closer counts them
+  bool started_ = false;
+  bool intruded_ = false;
+  UsualFit usual_fit_;
+  Confirmation confirmation_;
+  std::optional<Pose> supposed_;  ///< of the last frame: where a lost camera may be
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,256 @@
+#include "host/slam/tracking/pose_refiner.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host/slam/shader_types.h"
+
+namespace rosefusion {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+// Of a pixel from the model, white being 1: the camera's noise, detail finer than a voxel, light that changes
+// with the view. Beyond twice of it a residual counts linearly.
+constexpr double kLuminanceDeviation = 0.03, kLuminanceHuber = 2 * kLuminanceDeviation;
+
+/// The step that leads from `from` to `to`.
+Vector6 difference(const Pose& from, const Pose& to) {
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(to.linear() * from.linear().transpose()));
+  Vector6 out;
+  out << to.translation() - from.translation(), turn.angle() * turn.axis();
+  return out;
+}
+
+/// To (u z, v z, z), pixels.
+Eigen::Matrix4d imageFromCamera(const Intrinsics& k) {
+  Eigen::Matrix4d out = Eigen::Matrix4d::Identity();
+  out.topLeftCorner<3, 3>() << k.fx, 0, k.cx, 0, k.fy, k.cy, 0, 0, 1;
+  return out;
+}
+
+/// The same for an image that holds every point, far from its border.
+Eigen::Matrix4d allInItsMiddle(const shader::CameraIntrinsics& camera) {
+  Eigen::Matrix4d out = Eigen::Matrix4d::Zero();
+  out.col(3) << 0.5e6 * camera.size.x, 0.5e6 * camera.size.y, 1e6, 1;
+  return out;
+}
+
+/// A symmetric matrix from its upper triangle, row by row.
+template <int kSize>
+Eigen::Matrix<double, kSize, kSize> symmetric(const double* entry) {
+  Eigen::Matrix<double, kSize, kSize> out;
+  for (int row = 0; row < kSize; ++row)
+    for (int column = row; column < kSize; ++column) out(row, column) = out(column, row) = *entry++;
+  return out;
+}
+
+/// Robust cost of a point's luminance, on average; that of a misfit where no point reads a colour.
+double meanCost(const RefineColourSums& sums) {
+  const double points = sums[shader::kRefineColourPoints];
+  return points > 0 ? sums[shader::kRefineColourCost] / points : kLuminanceHuber * kLuminanceHuber;
+}
+
+}  // namespace
+
+/// The quadratic model of the cost around a pose, with what depth and colour leave open held by the expected
+/// pose.
+struct Refiner::LocalModel {
+  Matrix6 hessian;
+  Vector6 gradient;
+  Matrix6 hold = Matrix6::Zero();  ///< weight of the expected pose, per direction
+  double constraint = 0;
+  double cost_unit = 0;  ///< of the normal equations' weights, in those of the cost
+  /// A step moves the gain by gain_step + gain_slope * step.
+  Vector6 gain_slope = Vector6::Zero();
+  double gain_step = 0;
+
+  LocalModel(const Evaluation& at, double colour_weight, double least_constraint)
+      : hessian(symmetric<6>(&at.depth[shader::kRefineHessian])),
+        gradient(Eigen::Map<const Vector6>(&at.depth[shader::kRefineGradient])) {
+    // Turns are compared with shifts at the mean distance, and all with a plane's own direction.
+    const double shifts = hessian.diagonal().head<3>().sum(), turns = hessian.diagonal().tail<3>().sum();
+    if (at.colour) add(*at.colour, colour_weight);
+    if (!(shifts > 0 && turns > 0)) return;
+    cost_unit = at.depth[shader::kRefineCostWeight] / shifts;
+    Vector6 scale = Vector6::Constant(1 / std::sqrt(shifts));
+    scale.tail<3>().setConstant(1 / std::sqrt(turns));
+    const Eigen::SelfAdjointEigenSolver<Matrix6> solver(scale.asDiagonal() * hessian * scale.asDiagonal());
+    constraint = std::max(0.0, solver.eigenvalues()[0]);
+    const Vector6 missing = (least_constraint - solver.eigenvalues().array()).max(0.0);
+    const Vector6 unscale = scale.cwiseInverse();
+    hold = unscale.asDiagonal() * solver.eigenvectors() * missing.asDiagonal() *
+           solver.eigenvectors().transpose() * unscale.asDiagonal();
+  }
+
+  /// The gain is solved for beside each step (Schur complement), so that a change of exposure holds nothing.
+  void add(const RefineColourSums& sums, double weight) {
+    const auto all = symmetric<7>(&sums[shader::kRefineColourHessian]);
+    const Eigen::Map<const Eigen::Matrix<double, 7, 1>> slope(&sums[shader::kRefineColourGradient]);
+    if (!(all(6, 6) > 0)) return;
+    const Vector6 mixed = all.topRightCorner<6, 1>();
+    gain_slope = -mixed / all(6, 6);
+    gain_step = -slope[6] / all(6, 6);
+    hessian += weight * (all.topLeftCorner<6, 6>() + mixed * gain_slope.transpose());
+    gradient += weight * (slope.head<6>() + mixed * gain_step);
+  }
+};
+
+/// One start's descent.
+struct Refiner::Descent {
+  Place place;
+  Evaluation at;
+  LocalModel model;
+  double damping = 1e-3;
+  bool finished = false;
+};
+
+Pose moved(const Pose& pose, const Vector6& step) {
+  Pose out = Pose::Identity();
+  const double angle = step.tail<3>().norm();
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+  if (angle > 0) turn = Eigen::AngleAxisd(angle, step.tail<3>() / angle);
+  out.linear() = (turn * Eigen::Quaterniond(pose.linear())).normalized().toRotationMatrix();
+  out.translation() = pose.translation() + step.head<3>();
+  return out;
+}
+
+Refiner::Refiner(Device& device, const Settings& settings, const Intrinsics& intrinsics)
+    : settings_(settings.refine),
+      weights_{static_cast<float>(settings.refine.huber), toShader(settings.depth),
+               static_cast<float>(settings.refine.model_noise), settings.refine.front_only},
+      colour_weight_(settings.refine.colour_weight *
+                     std::pow(settings.depth.noise_floor / kLuminanceDeviation, 2)),
+      camera_(toShader(intrinsics)),
+      image_from_camera_(imageFromCamera(intrinsics)),
+      recorder_(device),
+      select_(device, camera_),
+      refine_(device),
+      refine_colour_(device) {}
+
+void Refiner::look(const PreprocessPass& frame, int stride, const std::optional<Pose>& last) {
+  last_ = last;
+  coloured_ = last && colour_weight_ > 0 && frame.hasColour() ? &frame : nullptr;
+  asks_colour_ = false;
+  select_.record(recorder_, frame, {stride, stride / 2, stride / 2}, nullptr);
+  recorder_.submit();
+}
+
+std::uint64_t Refiner::takePointsRead() {
+  return std::exchange(points_read_, 0);
+}
+
+std::vector<Refiner::Evaluation> Refiner::evaluate(const Volume& volume, std::span<const Place> places) {
+  std::vector<shader::RefineCandidate> candidates;
+  std::vector<shader::RefineColourCandidate> coloured;
+  for (const auto& [pose, gain] : places) {
+    const Eigen::Matrix4d last_image =
+        last_ ? image_from_camera_ * (last_->inverse() * pose).matrix() : allInItsMiddle(camera_);
+    candidates.push_back({toShader(pose), toShader(last_image)});
+    coloured.push_back({toShader(pose), glm::vec4(gain, 0, 0, 0)});
+  }
+  refine_.record(recorder_, volume, select_, candidates, camera_, weights_);
+  if (asks_colour_)
+    refine_colour_.record(recorder_, volume, *coloured_, select_, camera_, coloured,
+                          static_cast<float>(kLuminanceHuber));
+  recorder_.submit();
+  points_read_ += std::uint64_t(places.size()) * select_.selected() * (asks_colour_ ? 2 : 1);
+  std::vector<Evaluation> out(places.size());
+  const auto depth = refine_.sums();
+  for (std::size_t i = 0; i < out.size(); ++i) out[i].depth = depth[i];
+  if (!asks_colour_) return out;
+  const auto sums = refine_colour_.sums();
+  for (std::size_t i = 0; i < out.size(); ++i) out[i].colour = sums[i];
+  return out;
+}
+
+PoseFit Refiner::fitOf(const Descent& d) const {
+  PoseFit fit;
+  fit.world_from_camera = d.place.pose;
+  fit.constraint = d.model.constraint;
+  fit.facing =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(d.model.hessian.topLeftCorner<3, 3>()).eigenvectors();
+  const RefineSums& sums = d.at.depth;
+  if (sums[shader::kRefineMostCost] > 0) {
+    fit.cost = sums[shader::kRefineCost] / sums[shader::kRefineMostCost];
+    if (d.at.colour)
+      fit.colour_cost = colour_weight_ * meanCost(*d.at.colour) * sums[shader::kRefineCostWeight] /
+                        sums[shader::kRefineMostCost];
+  }
+  if (const double points = select_.selected(); points > 0) {
+    fit.usable = sums[shader::kRefineUsable] / points;
+    fit.close = sums[shader::kRefineClose] / points;
+  }
+  return fit;
+}
+
+std::vector<PoseFit> Refiner::refine(const Volume& volume, std::span<const Pose> starts, int iterations,
+                                     const Pose& expected) {
+  const auto modelOf = [&](const Evaluation& at) {
+    return LocalModel(at, colour_weight_, settings_.least_constraint);
+  };
+  std::vector<Place> places;
+  for (const Pose& start : starts) places.push_back({start});
+  std::vector<Evaluation> first = evaluate(volume, places);
+  if (coloured_ && !asks_colour_ && volume.options().colour) {
+    // Starts that are far off leave most of the points without a slope, and directions open for that alone.
+    asks_colour_ = std::all_of(first.begin(), first.end(), [&](const Evaluation& at) {
+      return modelOf(at).constraint < kAsksColour * settings_.least_constraint;
+    });
+    if (asks_colour_) first = evaluate(volume, places);
+  }
+  std::vector<Descent> descents;
+  for (std::size_t i = 0; i < starts.size(); ++i)
+    descents.push_back({places[i], first[i], modelOf(first[i])});
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    std::vector<Place> trials;
+    std::vector<Vector6> steps;
+    std::vector<Descent*> owners;
+    for (Descent& d : descents) {
+      if (d.finished) continue;
+      Matrix6 h = d.model.hessian + d.model.hold;
+      h.diagonal() += d.damping * h.diagonal() + Vector6::Constant(1e-9);
+      const Vector6 step =
+          h.ldlt().solve(d.model.hold * difference(d.place.pose, expected) - d.model.gradient);
+      d.finished = !step.allFinite();
+      if (d.finished) continue;
+      trials.push_back(
+          {moved(d.place.pose, step), d.place.gain + d.model.gain_step + d.model.gain_slope.dot(step)});
+      steps.push_back(step);
+      owners.push_back(&d);
+    }
+    if (trials.empty()) break;
+    const std::vector<Evaluation> found = evaluate(volume, trials);
+    for (std::size_t k = 0; k < trials.size(); ++k) {
+      Descent& d = *owners[k];
+      // Hold and colour are in units of the normal equations' weights, the cost in its own.
+      const double unit = d.model.cost_unit;
+      const auto objective = [&](const Pose& pose, const Evaluation& at) {
+        const Vector6 off = difference(pose, expected);
+        const double depth = at.depth[shader::kRefineCost] + 0.5 * unit * off.dot(d.model.hold * off);
+        if (!at.colour) return depth;
+        const double points = (*d.at.colour)[shader::kRefineColourPoints];
+        return depth + unit * colour_weight_ * points * meanCost(*at.colour);
+      };
+      if (objective(trials[k].pose, found[k]) < objective(d.place.pose, d.at)) {
+        d.place = trials[k];
+        d.at = found[k];
+        d.model = modelOf(found[k]);
+        d.damping = std::max(d.damping * 0.1, 1e-6);
+      } else {
+        d.damping = std::max(d.damping * 10, 1e-2);
+      }
+      d.finished = steps[k].cwiseAbs().maxCoeff() < settings_.minimum_move || d.damping > 1e3;
+    }
+  }
+  std::vector<PoseFit> fits;
+  for (const Descent& d : descents) fits.push_back(fitOf(d));
+  return fits;
+}
+
+}  // namespace rosefusion

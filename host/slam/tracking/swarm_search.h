@@ -1,0 +1,62 @@
+// The random search for a frame's pose: the swarm's losses from the device, its update on the host [Algorithm
+// pfopst].
+#pragma once
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host/slam/tracking/particle_evaluator.h"
+#include "host/slam/tracking/search_observer.h"
+#include "host/swarm/swarm_update.h"
+
+namespace rosefusion {
+
+/// How well the depth fits the model at a pose, over the overlap with the last frame.
+struct PoseScore {
+  double residual = 1;     ///< in truncations: RMS of psi, or its mean size with swarm.loss = absolute
+  double overlap = 0;      ///< share of the valid pixels that fall inside the last frame's image
+  double valid_share = 0;  ///< share of the grid's pixels with valid depth
+};
+
+struct ScannedPose {
+  Pose world_from_camera = Pose::Identity();
+  double loss = 1;
+  std::uint64_t lookups = 0;  ///< TSDF lookups spent
+};
+
+struct SwarmResult {
+  Pose world_from_camera = Pose::Identity();
+  int iterations = 0;
+  std::uint64_t lookups = 0;  ///< TSDF lookups spent
+  StopReason stop_reason = StopReason::kNone;
+  std::vector<SwarmStep> steps;
+};
+
+/// Owns the swarm templates on the device and the swarm's state from frame to frame. One thread.
+class SwarmSearch {
+ public:
+  /// Throws InputError when the template set does not fit settings.swarm.levels.
+  SwarmSearch(Device& device, const Settings& settings, const Intrinsics& intrinsics, TemplateSet templates);
+
+  /// Pose of the frame held by `frame`, searched from `start`; `last`: the last frame's pose, for the
+  /// overlap.
+  SwarmResult search(const PreprocessPass& frame, const Volume& volume, const Pose& start, const Pose& last,
+                     const SearchObserver& observer = {});
+  /// The best particle of one wide template around each pose, over every valid pixel of a coarse grid: for
+  /// poses that may be far off. Axis lengths in metres and of the quaternion's imaginary part.
+  std::vector<ScannedPose> scan(const PreprocessPass& frame, const Volume& volume,
+                                std::span<const Pose> poses, double shift, double turn);
+  /// Fit of the frame at a pose; every 8th pixel, all of them counted for the shares.
+  PoseScore score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera,
+                  const Pose& last);
+  const TemplateSet& templates() const { return templates_; }
+
+ private:
+  const Settings settings_;
+  TemplateSet templates_;
+  std::vector<std::uint32_t> level_offsets_;  ///< first particle of each level's first template on the device
+  ParticleEvaluator evaluator_;
+  std::optional<SwarmState> previous_;
+};
+
+}  // namespace rosefusion

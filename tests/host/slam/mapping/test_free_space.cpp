@@ -1,0 +1,113 @@
+// What was seen to be empty, on images of a wall.
+#include "host/slam/mapping/free_space.h"
+
+#include <gtest/gtest.h>
+
+namespace rosefusion::testing {
+namespace test_seen_through {
+
+const Intrinsics kCamera{320, 240, 250, 250, 159.5, 119.5};
+constexpr double kUnits = 1000;
+constexpr int kWall_mm = 3000;
+
+cv::Mat wall(int depth_mm = kWall_mm) {
+  return cv::Mat(kCamera.height, kCamera.width, CV_16UC1, cv::Scalar(depth_mm));
+}
+cv::Mat withHand(cv::Mat image, int hand_mm = 400) {
+  image(cv::Rect(0, 0, kCamera.width / 2, kCamera.height)).setTo(hand_mm);
+  return image;
+}
+Pose at(double x, double y, double z) {
+  Pose pose = Pose::Identity();
+  pose.translation() = Eigen::Vector3d(x, y, z);
+  return pose;
+}
+
+class SeenThroughTest : public ::testing::Test {
+ protected:
+  SeenThrough seen_{kCamera, DepthSettings{}, kUnits};
+};
+
+TEST_F(SeenThroughTest, NothingIsKnownAtFirst) {
+  EXPECT_EQ(seen_.shareOfLast(wall(), at(0, 0, 0)), 0);
+  EXPECT_EQ(seen_.shareOfAll(wall(), at(0, 0, 0)), 0);
+}
+
+TEST_F(SeenThroughTest, TheStaticSceneFromAnywhereIsNot) {
+  seen_.keep(wall(), at(0, 0, 0), 0);
+  EXPECT_EQ(seen_.shareOfLast(wall(), at(0, 0, 0)), 0);
+  EXPECT_EQ(seen_.shareOfLast(wall(), at(0.3, -0.2, 0)), 0);
+  EXPECT_EQ(seen_.shareOfLast(wall(kWall_mm - 500), at(0, 0, 0.5)), 0) << "it came nearer";
+  EXPECT_EQ(seen_.shareOfLast(wall(kWall_mm + 80), at(0, 0, 0)), 0) << "noise";
+  EXPECT_EQ(seen_.shareOfLast(wall(kWall_mm + 900), at(0, 0, 0)), 0) << "behind what was seen all is unknown";
+}
+
+TEST_F(SeenThroughTest, SomethingBeforeTheCameraIs) {
+  seen_.keep(wall(), at(0, 0, 0), 0);
+  // But for the border, about which the kept image says nothing.
+  EXPECT_NEAR(seen_.shareOfLast(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
+  EXPECT_NEAR(seen_.shareOfAll(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
+  EXPECT_GT(seen_.shareOfLast(withHand(wall(kWall_mm - 100)), at(0, 0, 0.1)), 0.3)
+      << "it moves with the camera";
+  EXPECT_EQ(seen_.shareOfLast(withHand(wall()), at(20, 0, 0)), 0) << "where the kept image did not look";
+}
+
+TEST_F(SeenThroughTest, APoseThatIsWrongIs) {
+  seen_.keep(wall(), at(0, 0, 0), 0);
+  EXPECT_GT(seen_.shareOfLast(wall(), at(0, 0, -0.5)), 0.6);
+}
+
+TEST_F(SeenThroughTest, WhereTheKeptImageIsInvalidNothingIsKnown) {
+  cv::Mat blind = wall();
+  blind.setTo(0);
+  seen_.keep(blind, at(0, 0, 0), 0);
+  EXPECT_EQ(seen_.shareOfLast(withHand(wall()), at(0, 0, 0)), 0);
+  seen_.keep(wall(), at(0, 0, 0), 0);
+  EXPECT_EQ(seen_.shareOfLast(blind, at(0, 0, 0)), 0) << "no valid pixel, no share";
+}
+
+TEST_F(SeenThroughTest, ASurfaceThatShouldBeInViewIsMissedWhereTheImageLooksThroughIt) {
+  EXPECT_EQ(seen_.shareMissing(wall(), at(0, 0, 0)), 0);
+  seen_.keep(withHand(wall(), 1500), at(0, 0, 0), 0);
+  EXPECT_EQ(seen_.shareMissing(withHand(wall(), 1500), at(0, 0, 0)), 0);
+  EXPECT_EQ(seen_.shareMissing(withHand(wall(), 1500 + 80), at(0, 0, 0)), 0) << "noise";
+  EXPECT_NEAR(seen_.shareMissing(wall(), at(0, 0, 0)), 0.5, 0.05) << "the near half is not there";
+  EXPECT_EQ(seen_.shareMissing(withHand(wall(), 700), at(0, 0, 0)), 0) << "hidden is not missing";
+  EXPECT_EQ(seen_.shareMissing(wall(), at(20, 0, 0)), 0) << "nothing known should be in view";
+  EXPECT_GT(seen_.shareMissing(wall(), at(0, 0, 0.5)), 0.6) << "the wall should be half a metre nearer";
+}
+
+TEST_F(SeenThroughTest, EarlierImagesAreRemembered) {
+  seen_.keep(wall(), at(0, 0, 0), 0);
+  seen_.keep(wall(), at(20, 0, 0), 1);
+  EXPECT_EQ(seen_.shareOfLast(withHand(wall()), at(0, 0, 0)), 0);
+  EXPECT_NEAR(seen_.shareOfAll(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
+}
+
+TEST_F(SeenThroughTest, AfterACorrectionImagesAreWhereTheirFramesAre) {
+  seen_.keep(wall(), at(0, 0, 0), 0);
+  seen_.keep(wall(), at(20, 0, 0), 1);
+  const std::vector<Pose> corrected{at(5, 0, 0), at(30, 0, 0)};
+  seen_.rebase(corrected);
+  EXPECT_EQ(seen_.shareOfAll(withHand(wall()), at(0, 0, 0)), 0);
+  EXPECT_NEAR(seen_.shareOfAll(withHand(wall()), at(5, 0, 0)), 0.5, 0.05);
+  EXPECT_NEAR(seen_.shareOfLast(withHand(wall()), at(30, 0, 0)), 0.5, 0.05);
+}
+
+TEST_F(SeenThroughTest, AGlanceForgivesADecimetre) {
+  seen_.keep(wall(), at(0, 0, 0), 0);
+  const auto glance = [&](const cv::Mat& depth, const Pose& place) {
+    return seen_.glance(depth, std::vector<Pose>{place}).at(0);
+  };
+  EXPECT_EQ(glance(wall(), at(0, 0, -0.3)), 0);
+  EXPECT_GT(seen_.shareOfAll(wall(), at(0, 0, -0.3)), 0.6);
+  EXPECT_GT(glance(wall(), at(0, 0, -0.6)), 0.6) << "the wall seems nearer than it was seen";
+  EXPECT_EQ(glance(wall(), at(0, 0, 0.3)), 0);
+  EXPECT_GT(seen_.shareMissing(wall(), at(0, 0, 0.3)), 0.6);
+  EXPECT_GT(glance(wall(), at(0, 0, 0.6)), 0.6) << "the wall that was seen is not there";
+  EXPECT_NEAR(glance(withHand(wall()), at(0, 0, 0)), 0.5, 0.07);
+  EXPECT_EQ(glance(wall(), at(20, 0, 0)), 0) << "nothing is known there";
+}
+
+}  // namespace test_seen_through
+}  // namespace rosefusion::testing
