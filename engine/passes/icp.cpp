@@ -1,5 +1,7 @@
 #include "engine/passes/icp.h"
 
+#include "engine/passes/part_sums.h"
+
 namespace rosefusion {
 
 using namespace shader;
@@ -27,10 +29,7 @@ void IcpPass::record(Recorder& recorder, const PreprocessPass& frame, const Rayc
 }
 
 IcpSums IcpPass::sums() const {
-  IcpSums out{};
-  const auto values = sums_.as<float>();
-  for (std::size_t i = 0; i < std::size_t(parts_) * kIcpSums; ++i) out[i % kIcpSums] += values[i];
-  return out;
+  return addParts<IcpSums>(sums_.as<float>(), 1, parts_).front();
 }
 
 }  // namespace rosefusion

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <numbers>
 
+#include "engine/passes/part_sums.h"
+
 namespace rosefusion {
 
 using namespace shader;
@@ -51,11 +53,7 @@ void RefinePass::record(Recorder& recorder, const Volume& volume, const SelectPo
 }
 
 std::vector<RefineSums> RefinePass::sums() const {
-  std::vector<RefineSums> out(count_, RefineSums{});
-  const auto values = sums_.as<float>();
-  for (std::size_t i = 0; i < std::size_t(count_) * parts_ * kRefineSums; ++i)
-    out[i / (std::size_t(parts_) * kRefineSums)][i % kRefineSums] += values[i];
-  return out;
+  return addParts<RefineSums>(sums_.as<float>(), count_, parts_);
 }
 
 }  // namespace rosefusion

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "engine/error.h"
+#include "engine/passes/part_sums.h"
 
 namespace rosefusion {
 
@@ -41,11 +42,7 @@ void RefineColourPass::record(Recorder& recorder, const Volume& volume, const Pr
 }
 
 std::vector<RefineColourSums> RefineColourPass::sums() const {
-  std::vector<RefineColourSums> out(count_, RefineColourSums{});
-  const auto values = sums_.as<float>();
-  for (std::size_t i = 0; i < std::size_t(count_) * parts_ * kRefineColourSums; ++i)
-    out[i / (std::size_t(parts_) * kRefineColourSums)][i % kRefineColourSums] += values[i];
-  return out;
+  return addParts<RefineColourSums>(sums_.as<float>(), count_, parts_);
 }
 
 }  // namespace rosefusion
