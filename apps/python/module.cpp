@@ -64,13 +64,13 @@ DepthFrame toFrame(const Camera& camera, const DepthArray& depth, double timesta
   return frame;
 }
 
-struct Pipeline {
+struct PyReconstructor {
   Camera camera;
   Reconstructor reconstructor;
 
-  Pipeline(const Camera& intrinsics, const std::string& preset, const py::dict& settings,
-           const std::string& device)
-      : camera(intrinsics), reconstructor([&] {
+  PyReconstructor(const Camera& its_camera, const std::string& preset, const py::dict& settings,
+                  const std::string& device)
+      : camera(its_camera), reconstructor([&] {
           Options options{.preset = preset, .settings = {}, .device = device};
           for (const auto& [key, value] : settings)
             options.settings.push_back({py::str(key), py::isinstance<py::bool_>(value)
@@ -83,7 +83,7 @@ struct Pipeline {
                 .attr(level == LogLevel::Warning ? "warning" : "info")(sentence);
           };
           const py::gil_scoped_release others_may_run;
-          return Reconstructor(intrinsics, options);
+          return Reconstructor(its_camera, options);
         }()) {}
 
   Result process(const DepthArray& depth, double timestamp, const std::optional<ColourArray>& rgb,
@@ -124,7 +124,7 @@ PYBIND11_MODULE(rosefusion, m) {
       .value("UNCERTAIN", Status::Uncertain)
       .value("RELOCALISED", Status::Relocalised)
       .value("LOST", Status::Lost);
-  py::class_<Camera>(m, "Intrinsics", "A pinhole camera, in pixels; pixel centres have integer coordinates.")
+  py::class_<Camera>(m, "Camera", "A pinhole camera, in pixels; pixel centres have integer coordinates.")
       .def(py::init<int, int, double, double, double, double, double>(), "width"_a, "height"_a, "fx"_a,
            "fy"_a, "cx"_a, "cy"_a, "depth_units_per_metre"_a = 1000)
       .def_readonly("width", &Camera::width)
@@ -148,18 +148,24 @@ PYBIND11_MODULE(rosefusion, m) {
       .def_property_readonly("normals", [](const Mesh& mesh) { return toArray(mesh.normals); })
       .def_property_readonly("colours", [](const Mesh& mesh) { return toArray(mesh.colours); })
       .def_property_readonly("triangles", [](const Mesh& mesh) { return toArray(mesh.triangles); });
-  py::class_<Pipeline>(m, "Pipeline",
-                       "Follows one camera and builds one model, on a Vulkan device of its own.")
-      .def(py::init<const Camera&, const std::string&, const py::dict&, const std::string&>(), "intrinsics"_a,
-           "preset"_a = "default", "settings"_a = py::dict(), "device"_a = "")
+  const auto init = py::init<const Camera&, const std::string&, const py::dict&, const std::string&>();
+  py::class_<PyReconstructor>(m, "Reconstructor",
+                              "Follows one camera and builds one model, on a Vulkan device of its own.")
+      .def(init, "camera"_a, "preset"_a = "default", "settings"_a = py::dict(), "device"_a = "")
+      .def(init, "intrinsics"_a, "preset"_a = "default", "settings"_a = py::dict(), "device"_a = "")
       .def(
-          "process", &Pipeline::process, "depth"_a.noconvert(), "timestamp"_a, "rgb"_a = py::none(),
+          "process", &PyReconstructor::process, "depth"_a.noconvert(), "timestamp"_a, "rgb"_a = py::none(),
           "motion"_a = py::none(),
           "Tracks and fuses one frame: depth as uint16, height x width; timestamp in seconds; motion: what "
           "another sensor says, the camera's pose in the frame of the camera before (4 x 4), or its rotation "
           "(3 x 3).")
-      .def("integrate", &Pipeline::integrate, "depth"_a.noconvert(), "world_from_camera"_a, "timestamp"_a,
-           "rgb"_a = py::none(), "Fuses one frame at a known pose; tracking goes on from there.")
-      .def("mesh", &Pipeline::mesh, "The model's surface now.")
-      .def("trajectory", &Pipeline::trajectory, "(timestamp, world_from_camera) of all frames not lost.");
+      .def("integrate", &PyReconstructor::integrate, "depth"_a.noconvert(), "world_from_camera"_a,
+           "timestamp"_a, "rgb"_a = py::none(),
+           "Fuses one frame at a known pose; tracking goes on from there.")
+      .def("mesh", &PyReconstructor::mesh, "The model's surface now.")
+      .def("trajectory", &PyReconstructor::trajectory,
+           "(timestamp, world_from_camera) of all frames not lost.");
+  // As they were called at first.
+  m.attr("Intrinsics") = m.attr("Camera");
+  m.attr("Pipeline") = m.attr("Reconstructor");
 }

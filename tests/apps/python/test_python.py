@@ -1,4 +1,4 @@
-"""The Python module: the README's quickstart as it stands there, then what it leaves out. test_python.py README"""
+"""The Python module: the README of host/public's quickstart as it stands there, then what it leaves out. test_python.py README"""
 import os
 import re
 import sys
@@ -12,13 +12,13 @@ import camera
 import rosefusion
 
 README = sys.argv.pop(1)
-INTRINSICS = rosefusion.Intrinsics(320, 240, 160, 160, 159.5, 119.5)
+CAMERA = rosefusion.Camera(320, 240, 160, 160, 159.5, 119.5)
 QUICK = {"swarm.levels": "1024/16 512/8 256/4", "tracking.templates_per_level": 3, "volume.voxel_size": 0.03,
          "volume.truncation": 0.09}
 
 
-def pipeline():
-    return rosefusion.Pipeline(INTRINSICS, preset="paper", settings=QUICK)
+def reconstructor():
+    return rosefusion.Reconstructor(CAMERA, preset="paper", settings=QUICK)
 
 
 class Quickstart(unittest.TestCase):
@@ -34,8 +34,13 @@ class Quickstart(unittest.TestCase):
 
 
 class Module(unittest.TestCase):
+    def test_the_old_names_still_work(self):
+        camera_too = rosefusion.Intrinsics(320, 240, 160, 160, 159.5, 119.5)
+        p = rosefusion.Pipeline(intrinsics=camera_too, preset="paper", settings=QUICK)
+        self.assertIsInstance(p, rosefusion.Reconstructor)
+
     def test_arrays_have_their_shapes_and_types(self):
-        p = pipeline()
+        p = reconstructor()
         for seconds, depth in list(camera.frames())[:3]:
             result = p.process(depth, seconds)
             self.assertNotEqual(result.status, rosefusion.Status.LOST, result.reason)
@@ -54,7 +59,7 @@ class Module(unittest.TestCase):
         np.testing.assert_array_equal(p.trajectory()[2][1], result.world_from_camera)
 
     def test_known_poses_and_colour(self):
-        p = pipeline()
+        p = reconstructor()
         pose = np.eye(4)
         pose[:3, 3] = [1, 2, 3]
         red = np.zeros((240, 320, 3), np.uint8)
@@ -66,7 +71,7 @@ class Module(unittest.TestCase):
         self.assertLess(np.median(p.mesh().colours[:, 2]), 50)
 
     def test_the_motion_of_another_sensor_is_read(self):
-        p = pipeline()
+        p = reconstructor()
         for seconds, depth in list(camera.frames())[:2]:
             result = p.process(depth, seconds, motion=np.eye(3))
         self.assertNotEqual(result.status, rosefusion.Status.LOST)
@@ -78,17 +83,17 @@ class Module(unittest.TestCase):
     def test_a_column_slice_is_read_as_it_looks(self):
         wide = np.zeros((240, 640), np.uint16)
         wide[:, ::2] = camera.depth_image(0)
-        p = pipeline()
+        p = reconstructor()
         self.assertEqual(p.process(np.ascontiguousarray(wide[:, ::2]), 0.0).status, rosefusion.Status.TRACKED)
 
     def test_what_the_library_says_goes_to_logging(self):
         with tempfile.TemporaryDirectory() as empty, mock.patch.dict(os.environ, XDG_CACHE_HOME=empty):
             with self.assertLogs("rosefusion", "INFO") as log:
-                pipeline()
+                reconstructor()
         self.assertIn("templates", log.output[0])
 
     def test_mistakes_are_refused_in_words(self):
-        p = pipeline()
+        p = reconstructor()
         with self.assertRaisesRegex(ValueError, "240 x 320"):
             p.process(np.zeros((320, 240), np.uint16), 0.0)
         with self.assertRaises(TypeError):
@@ -96,7 +101,7 @@ class Module(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "4 x 4"):
             p.integrate(camera.depth_image(0), np.eye(3), 0.0)
         with self.assertRaisesRegex(rosefusion.Error, "volume.voxel_size"):
-            rosefusion.Pipeline(INTRINSICS, settings={"volume.voxel_sise": 0.01})
+            rosefusion.Reconstructor(CAMERA, settings={"volume.voxel_sise": 0.01})
 
 
 if __name__ == "__main__":
