@@ -86,7 +86,7 @@ void View::record(VkCommandBuffer commands, std::uint32_t slot, const Look& look
 struct Fusion::Impl {
   Reconstructor::Impl& owner;
   Recorder recorder;
-  FrameFuser fuser;
+  FrameIntegrator fuser;
   struct Searched {
     TimedPose pose;
     cv::Mat depth;  ///< empty where it is on the device alone

@@ -122,7 +122,7 @@ std::vector<SearchState> StudiedMethod::search(const StudiedFrame& studied) {
   none.fill(std::numeric_limits<double>::quiet_NaN());
   if (settings_.tracking.method == TrackingMethod::kGaussNewton) {
     // The descent tells nothing of its steps, but ends after any number of them.
-    refiner_.look(studied.frame, settings_.refine.coarse_pixel_stride);
+    refiner_.selectPixels(studied.frame, settings_.refine.coarse_pixel_stride);
     states.push_back({studied.last, none});
     for (std::size_t i = 1; i <= steps; ++i)
       states.push_back(

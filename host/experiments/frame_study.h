@@ -45,7 +45,7 @@ class StudiedMethod {
  private:
   const Settings settings_;
   SwarmSearch swarm_;
-  Refiner refiner_;
+  PoseRefiner refiner_;
   std::unique_ptr<PoseMethod> method_;
 };
 

@@ -121,7 +121,8 @@ std::string framesCsv(const RunSummary& summary) {
         << ',' << r.lookups << ',' << r.score.residual << ',' << r.score.overlap << ','
         << r.score.valid_share;
     if (r.fit)
-      out << ',' << r.fit->cost << ',' << r.fit->usable << ',' << r.fit->close << ',' << r.fit->constraint;
+      out << ',' << r.fit->cost << ',' << r.fit->observed_ratio << ',' << r.fit->inlier_ratio << ','
+          << r.fit->observability;
     else
       out << ",,,,";
     out << ',' << r.intruding << ',' << (r.fused ? 1 : 0);

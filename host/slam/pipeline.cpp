@@ -72,10 +72,10 @@ constexpr double kColourConstraint = 5;
 void judgeConstraint(const RefineSettings& limits, FrameResult& result) {
   if (!result.fit || result.status != TrackingStatus::Tracked) return;
   const double factor = result.fit->colour_cost > 0 ? kColourConstraint : kWeakConstraint;
-  if (result.fit->constraint >= factor * limits.least_constraint) return;
+  if (result.fit->observability >= factor * limits.least_constraint) return;
   result.status = TrackingStatus::Uncertain;
   result.reason =
-      result.fit->constraint < limits.least_constraint
+      result.fit->observability < limits.least_constraint
           ? "the depth leaves a direction open, as a flat wall does; past motion holds it"
           : "the depth hardly holds a direction, as before a nearly flat wall; the pose may drift there";
 }
@@ -100,8 +100,8 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
       fuser_(device, settings, intrinsics, depth_units_per_metre),
       tracker_(device, settings, intrinsics, templatesFor(settings, log)),
       relocaliser_(settings, tracker_),
-      seen_through_(intrinsics, settings.depth, depth_units_per_metre),
-      overview_(device, settings, intrinsics, depth_units_per_metre) {
+      free_space_(intrinsics, settings.depth, depth_units_per_metre),
+      coarse_map_(device, settings, intrinsics, depth_units_per_metre) {
   tracker_.replaceBy(
       makePoseMethod(device, settings, intrinsics, tracker_.swarmSearch(), tracker_.refiner()));
   if (settings.loops.enabled)
@@ -125,36 +125,36 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
     fuser_.recordFrame(recorder_, frame);
     recorder_.submit();
   }
-  tracker_.move(frame.motion);
+  tracker_.addOdometry(frame.motion);
   {
     const StageTimer timer(result.milliseconds.track);
     track(frame, result);
   }
   if (result.status == TrackingStatus::Lost) {
     intruded_ = false;
-    if (supposed_)
-      tracker_.suppose(*supposed_, result.timestamp);
+    if (tentative_)
+      tracker_.setTentative(*tentative_, result.timestamp);
     else if (started_)
-      tracker_.lose();
-    if (loops_) loops_->breakOff();
+      tracker_.setLost();
+    if (loops_) loops_->onTrackingLost();
     return result;
   }
   result.fused = result.status != TrackingStatus::Relocalised && !intruded_;
   if (result.fused) {
     const StageTimer timer(result.milliseconds.integrate);
     fuser_.fuse(recorder_, volume_, result.world_from_camera);
-    seen_through_.keep(frame.depth, result.world_from_camera, posed_frames_);
-    if (result.fit) usual_fit_.add(*result.fit);
+    free_space_.keep(frame.depth, result.world_from_camera, frames_with_pose_);
+    if (result.fit) inlier_statistics_.add(*result.fit);
     started_ = true;
   }
   if (result.status == TrackingStatus::Relocalised) {
-    tracker_.suppose(result.world_from_camera, result.timestamp);
+    tracker_.setTentative(result.world_from_camera, result.timestamp);
   } else {
     tracker_.accept(result.world_from_camera, result.timestamp);
     if (result.fused && becomesKeyframe(result.world_from_camera))
-      overview_.add(fuser_, recorder_, frame.depth, result.world_from_camera, posed_frames_);
+      coarse_map_.add(fuser_, recorder_, frame.depth, result.world_from_camera, frames_with_pose_);
   }
-  ++posed_frames_;
+  ++frames_with_pose_;
   if (loops_) closeLoops(frame, result);
   return result;
 }
@@ -169,9 +169,9 @@ void Pipeline::closeLoops(const Frame& frame, FrameResult& result) {
   result.world_from_camera = poses.back();
   tracker_.rebase(result.world_from_camera);
   relocaliser_.rebase(loops_->keyframePoses());
-  overview_.rebase(poses);
-  overview_stale_ = true;
-  seen_through_.rebase(poses);
+  coarse_map_.rebase(poses);
+  coarse_map_stale_ = true;
+  free_space_.rebase(poses);
 }
 
 bool Pipeline::becomesKeyframe(const Pose& world_from_camera) {
@@ -191,40 +191,43 @@ bool Pipeline::isIntruded(const FrameResult& result) {
            result.fit->holds(settings_.tracking.relocalised_share, settings_.refine.least_constraint));
 }
 
-void Pipeline::confirm(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result) {
-  using Standing = Confirmation::Standing;
-  const bool searching = tracker_.isLost() || confirmation_.isAwaited();
-  const std::optional<Believed> believed =
-      believe(settings_, seen_through_, frame.depth, found, unsure,
-              usual_fit_.asked(searching, settings_.tracking.intruding_share));
-  if (believed) result.fit = believed->fit;
-  result.intruding = seen_through_.shareOfAll(frame.depth, result.fit->world_from_camera);
+void Pipeline::verify(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result) {
+  using Standing = TemporalVerification::Standing;
+  const bool relocalising = tracker_.isLost() || verification_.isPending();
+  const std::optional<VerifiedPose> verified =
+      verifyPose(settings_, free_space_, frame.depth, found, unsure,
+                 inlier_statistics_.thresholds(relocalising, settings_.tracking.intruding_share));
+  if (verified) result.fit = verified->fit;
+  result.intruding = free_space_.violation(frame.depth, result.fit->world_from_camera);
   const Standing standing =
-      confirmation_.next(believed, settings_.tracking.relocalised_share, unsure, tracker_.isLost());
-  if (standing == Standing::Refused) {
+      verification_.next(verified, settings_.tracking.relocalised_share, unsure, tracker_.isLost());
+  if (standing == Standing::Rejected) {
     result.status = TrackingStatus::Lost;
-    result.reason = "the frame fits nowhere in the model surely enough";
-  } else if (standing == Standing::Supposed) {
-    supposed_ = result.fit->world_from_camera;
-    result.status = TrackingStatus::Lost;
-    result.reason = "found again, it seems; told once the next frames agree";
-  } else if (standing == Standing::Agreeing) {
-    result.world_from_camera = result.fit->world_from_camera;
-    result.status = TrackingStatus::Relocalised;
-    result.reason = unsure ? "a sudden change; fused once the next frames agree"
-                    : confirmation_.knows()
-                        ? "agrees with the frame before; fused once one more does"
-                        : "agrees with the frame before; fused once more of what it shows is known";
-  } else {
-    result.world_from_camera = result.fit->world_from_camera;
-    result.status = TrackingStatus::Tracked;
-    result.score = tracker_.score(fuser_.frame(), volume_, result.world_from_camera);
-    judgeConstraint(settings_.refine, result);
+    result.reason = "no pose could be verified";
+    return;
   }
+  if (standing == Standing::Tentative) {
+    tentative_ = result.fit->world_from_camera;
+    result.status = TrackingStatus::Lost;
+    result.reason = "relocalised tentatively; reported after the next consistent frame";
+    return;
+  }
+  result.world_from_camera = result.fit->world_from_camera;
+  result.score = tracker_.score(fuser_.frame(), volume_, result.world_from_camera);
+  if (standing == Standing::Consistent) {
+    result.status = TrackingStatus::Relocalised;
+    result.reason = unsure ? "a sudden change; integrated once the next frames are consistent with it"
+                    : verification_.hasOverlap()
+                        ? "consistent with the frame before; integrated once one more is"
+                        : "consistent with the frame before; integrated once more of the view is known";
+    return;
+  }
+  result.status = TrackingStatus::Tracked;
+  judgeConstraint(settings_.refine, result);
 }
 
 void Pipeline::track(const Frame& frame, FrameResult& result) {
-  supposed_.reset();
+  tentative_.reset();
   result.world_from_camera = tracker_.last();
   result.score = tracker_.score(fuser_.frame(), volume_, tracker_.last());
   if (!started_) {
@@ -233,20 +236,20 @@ void Pipeline::track(const Frame& frame, FrameResult& result) {
     return;
   }
   if (result.score.valid_share < settings_.tracking.min_valid_share) return judge(settings_.tracking, result);
-  if (tracker_.isLost() && std::exchange(overview_stale_, false)) loops_->rebuild(overview_.volume());
+  if (tracker_.isLost() && std::exchange(coarse_map_stale_, false)) loops_->rebuild(coarse_map_.volume());
   const TrackResult found = tracker_.isLost() ? relocaliser_.find(fuser_.frame(), frame.depth, volume_,
-                                                                  overview_, seen_through_, result.timestamp)
+                                                                  coarse_map_, free_space_, result.timestamp)
                                               : tracker_.track(fuser_.frame(), volume_, result.timestamp);
   result.iterations = found.iterations;
   result.lookups = found.lookups;
   result.fit = found.fit;
-  const bool unsure = tracker_.isLost() || found.doubtful;
-  if (unsure || confirmation_.isAwaited()) return confirm(frame, found, unsure, result);
+  const bool unsure = tracker_.isLost() || found.jump;
+  if (unsure || verification_.isPending()) return verify(frame, found, unsure, result);
   result.score = tracker_.score(fuser_.frame(), volume_, found.world_from_camera);
   judge(settings_.tracking, result);
   judgeConstraint(settings_.refine, result);
   if (result.status != TrackingStatus::Lost) {
-    result.intruding = seen_through_.shareOfLast(frame.depth, found.world_from_camera);
+    result.intruding = free_space_.violationOfLast(frame.depth, found.world_from_camera);
     intruded_ = isIntruded(result);
   }
   if (intruded_ && result.status != TrackingStatus::Lost) {
@@ -254,7 +257,7 @@ void Pipeline::track(const Frame& frame, FrameResult& result) {
     const bool held = result.fit && result.fit->holds(share, settings_.refine.least_constraint);
     result.status = held ? TrackingStatus::Uncertain : TrackingStatus::Lost;
     result.reason = "something came before the camera (" + percent(result.intruding) + " of the image)" +
-                    (held ? "; not fused until it is gone" : " and hides the scene");
+                    (held ? "; not integrated until it is gone" : " and hides the scene");
   }
   if (result.status != TrackingStatus::Lost) result.world_from_camera = found.world_from_camera;
 }
@@ -267,7 +270,7 @@ void Pipeline::fuseFrame(const Frame& frame, const Pose& world_from_camera) {
   accept(world_from_camera, frame.timestamp, frame.depth);
 }
 
-FrameFuser Pipeline::makeFuser() {
+FrameIntegrator Pipeline::makeFuser() {
   requireFixedPoses();
   return {device_, settings_, intrinsics_, depth_units_per_metre_};
 }
@@ -279,15 +282,15 @@ void Pipeline::requireFixedPoses() const {
 }
 
 void Pipeline::accept(const Pose& world_from_camera, double timestamp, const cv::Mat& depth) {
-  if (!depth.empty()) seen_through_.keep(depth, world_from_camera, posed_frames_);
+  if (!depth.empty()) free_space_.keep(depth, world_from_camera, frames_with_pose_);
   started_ = true;
-  confirmation_.end();
-  const std::size_t number = posed_frames_++;
+  verification_.end();
+  const std::size_t number = frames_with_pose_++;
   tracker_.accept(world_from_camera, timestamp);
   if (!becomesKeyframe(world_from_camera) || depth.empty()) return;
   fuser_.recordFrame(recorder_, Frame{timestamp, depth, {}, {}});
   recorder_.submit();
-  overview_.add(fuser_, recorder_, depth, world_from_camera, number);
+  coarse_map_.add(fuser_, recorder_, depth, world_from_camera, number);
 }
 
 }  // namespace rosefusion

@@ -13,8 +13,8 @@
 
 namespace rosefusion {
 
-/// Relocalised: found in the model after a loss, where two frames agree, or after a sudden change; not fused
-/// until the next frames agree.
+/// Relocalised: found in the model after a loss, where two frames are consistent, or after a sudden change;
+/// not integrated until the next frames are.
 enum class TrackingStatus { Tracked, Uncertain, Relocalised, Lost };
 const char* toString(TrackingStatus status);
 
@@ -68,7 +68,7 @@ class Pipeline {
   /// With loops.enabled, null without.
   const LoopCloser* loops() const { return loops_.get(); }
   /// For frames of known pose, which accept() is told of. Throws InputError with loops.enabled.
-  FrameFuser makeFuser();
+  FrameIntegrator makeFuser();
 
   /// For displays: told of every iteration of a search with particles, from within processFrame().
   void observe(SearchObserver observer) { tracker_.observe(std::move(observer)); }
@@ -83,7 +83,7 @@ class Pipeline {
 
  private:
   void track(const Frame& frame, FrameResult& result);
-  void confirm(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result);
+  void verify(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result);
   bool isIntruded(const FrameResult& result);
   /// Where the camera is never lost, keyframes serve nobody.
   bool becomesKeyframe(const Pose& world_from_camera);
@@ -96,19 +96,19 @@ class Pipeline {
   double depth_units_per_metre_;
   Recorder recorder_;
   Volume volume_;
-  FrameFuser fuser_;
+  FrameIntegrator fuser_;
   Tracker tracker_;
   Relocaliser relocaliser_;
-  SeenThrough seen_through_;
-  Overview overview_;                  ///< of the keyframes
-  bool overview_stale_ = false;        ///< a loop was closed: to be made anew before it is next looked at
+  KnownFreeSpace free_space_;
+  CoarseMap coarse_map_;               ///< of the keyframes
+  bool coarse_map_stale_ = false;      ///< a loop was closed: to be made anew before it is next looked at
   std::unique_ptr<LoopCloser> loops_;  ///< with loops.enabled
-  std::size_t posed_frames_ = 0;       ///< so far, as the loop closer counts them
+  std::size_t frames_with_pose_ = 0;   ///< so far, as the loop closer counts them
   bool started_ = false;
   bool intruded_ = false;
-  UsualFit usual_fit_;
-  Confirmation confirmation_;
-  std::optional<Pose> supposed_;  ///< of the last frame: where a lost camera may be
+  InlierStatistics inlier_statistics_;
+  TemporalVerification verification_;
+  std::optional<Pose> tentative_;  ///< of the last frame: where a lost camera may be
 };
 
 }  // namespace rosefusion

@@ -38,13 +38,13 @@ class FreeSwarmMethod : public PoseMethod {
 
 class GaussNewtonMethod : public PoseMethod {
  public:
-  GaussNewtonMethod(Refiner& refiner, const RefineSettings& settings)
+  GaussNewtonMethod(PoseRefiner& refiner, const RefineSettings& settings)
       : refiner_(refiner), settings_(settings) {}
   TrackResult track(const PreprocessPass& frame, const Volume& volume, const Pose& last,
                     const SearchObserver&) override {
     TrackResult result;
     const auto descend = [&](int stride, int iterations, const Pose& start) {
-      refiner_.look(frame, stride);
+      refiner_.selectPixels(frame, stride);
       result.fit = refiner_.refine(volume, std::vector<Pose>{start}, iterations, last)[0];
       result.iterations += iterations;
     };
@@ -56,7 +56,7 @@ class GaussNewtonMethod : public PoseMethod {
   }
 
  private:
-  Refiner& refiner_;
+  PoseRefiner& refiner_;
   const RefineSettings settings_;
 };
 
@@ -78,7 +78,7 @@ class IcpMethod : public PoseMethod {
 
 std::unique_ptr<PoseMethod> makePoseMethod(Device& device, const Settings& settings,
                                            const Intrinsics& intrinsics, SwarmSearch& search,
-                                           Refiner& refiner) {
+                                           PoseRefiner& refiner) {
   switch (settings.tracking.method) {
     case TrackingMethod::kDefault:
       return nullptr;

@@ -11,6 +11,6 @@ namespace rosefusion {
 /// None for method default, which is Tracker's own. `search` and `refiner` must outlive the result.
 std::unique_ptr<PoseMethod> makePoseMethod(Device& device, const Settings& settings,
                                            const Intrinsics& intrinsics, SwarmSearch& search,
-                                           Refiner& refiner);
+                                           PoseRefiner& refiner);
 
 }  // namespace rosefusion

@@ -8,9 +8,9 @@ namespace {
 
 // Tracking is off by about a hundredth of the motion, and turns by as much as shifts seem at 2.5 m.
 constexpr double kShiftDeviation = 0.001, kShiftShare = 0.01, kTurnPerShift = 0.4;
-constexpr double kLooseness = 10;  // of motions in which the depth left a direction open
-constexpr double kTieDeviation = 0.003, kUnsureTieDeviation = 0.01;
-constexpr double kMostStrain = 0.05;    // metres that a tie may be contradicted by
+constexpr double kInflation = 10;  // of motions in which the depth left a direction open
+constexpr double kLoopDeviation = 0.003, kUnsureLoopDeviation = 0.01;
+constexpr double kMostResidual = 0.05;  // metres that a loop constraint may be contradicted by
 constexpr double kMostDeviations = 10;  // and a tracked motion, if that is more: a jump is no drift
 constexpr double kViewTurn = 0.6;       // radians within which views overlap enough
 constexpr double kEnoughOverlap = 0.4;
@@ -30,10 +30,10 @@ PoseEdge edgeOf(std::size_t first, std::size_t second, const Pose& motion, doubl
 
 }  // namespace
 
-bool KeyframeMap::add(const Pose& pose, bool fused, bool firm) {
+bool KeyframeGraph::add(const Pose& pose, bool fused, bool well_constrained) {
   const double way = frames_.empty() ? 0 : shiftBetween(pose, last_) + turnBetween(pose, last_);
   travelled_ += way;
-  if (!firm) loose_way_ += way;
+  if (!well_constrained) weak_path_ += way;
   last_ = pose;
   if (keyframes_.empty() && !fused) return false;
   std::size_t reference = keyframes_.empty() ? 0 : broken_ ? nearest(pose) : keyframes_.size() - 1;
@@ -45,21 +45,21 @@ bool KeyframeMap::add(const Pose& pose, bool fused, bool firm) {
   if (fused && far) {
     if (!keyframes_.empty()) {
       const double all = std::max(travelled_ - keyframes_.back().travelled, 1e-9);
-      const double looseness = 1 + (kLooseness - 1) * loose_way_ / all;
+      const double inflation = 1 + (kInflation - 1) * weak_path_ / all;
       edges_.push_back(edgeOf(reference, keyframes_.size(), motion,
-                              looseness * (kShiftDeviation + kShiftShare * (shift + turn))));
+                              inflation * (kShiftDeviation + kShiftShare * (shift + turn))));
     }
     reference = keyframes_.size();
     motion = Pose::Identity();
     keyframes_.push_back({pose, travelled_});
     broken_ = false;
-    loose_way_ = 0;
+    weak_path_ = 0;
   }
   frames_.push_back({reference, motion});
   return fused && far;
 }
 
-std::size_t KeyframeMap::nearest(const Pose& pose) const {
+std::size_t KeyframeGraph::nearest(const Pose& pose) const {
   const auto distance = [&](const Keyframe& k) {
     return shiftBetween(k.world_from_camera, pose) + turnBetween(k.world_from_camera, pose);
   };
@@ -69,8 +69,8 @@ std::size_t KeyframeMap::nearest(const Pose& pose) const {
   return static_cast<std::size_t>(least - keyframes_.begin());
 }
 
-std::optional<std::size_t> KeyframeMap::candidate(const std::function<bool(std::size_t)>& usable,
-                                                  const std::function<double(std::size_t)>& overlap) const {
+std::optional<std::size_t> KeyframeGraph::candidate(const std::function<bool(std::size_t)>& usable,
+                                                    const std::function<double(std::size_t)>& overlap) const {
   const Keyframe& newest = keyframes_.back();
   std::optional<std::size_t> closest, widest;
   double least = 0, most = kEnoughOverlap;
@@ -93,8 +93,8 @@ std::optional<std::size_t> KeyframeMap::candidate(const std::function<bool(std::
   return widest ? widest : closest;
 }
 
-std::vector<std::size_t> KeyframeMap::neighbours(std::size_t keyframe,
-                                                 const std::function<bool(std::size_t)>& usable) const {
+std::vector<std::size_t> KeyframeGraph::neighbours(std::size_t keyframe,
+                                                   const std::function<bool(std::size_t)>& usable) const {
   std::vector<std::size_t> out;
   const std::size_t first = keyframe - std::min<std::size_t>(keyframe, kNeighbours);
   const std::size_t end = std::min(keyframes_.size(), keyframe + kNeighbours + 1);
@@ -107,12 +107,12 @@ std::vector<std::size_t> KeyframeMap::neighbours(std::size_t keyframe,
   return out;
 }
 
-PoseEdge KeyframeMap::tieOf(std::size_t old, const Pose& world_from_newest, bool sure) const {
+PoseEdge KeyframeGraph::constraintTo(std::size_t old, const Pose& world_from_newest, bool sure) const {
   return edgeOf(old, keyframes_.size() - 1, pose(old).inverse() * world_from_newest,
-                sure ? kTieDeviation : kUnsureTieDeviation);
+                sure ? kLoopDeviation : kUnsureLoopDeviation);
 }
 
-bool KeyframeMap::meetsOld(double least, const std::function<double(std::size_t)>& overlap) const {
+bool KeyframeGraph::overlapsOld(double least, const std::function<double(std::size_t)>& overlap) const {
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     if (keyframes_.back().travelled - keyframes_[i].travelled < settings_.min_travel) break;
     if (overlap(i) >= least) return true;
@@ -120,33 +120,34 @@ bool KeyframeMap::meetsOld(double least, const std::function<double(std::size_t)
   return false;
 }
 
-bool KeyframeMap::close(std::span<const Pose> way) {
+bool KeyframeGraph::close(std::span<const Pose> way) {
   std::vector<Pose> poses;
   for (const Keyframe& k : keyframes_) poses.push_back(k.world_from_camera);
   std::vector<PoseEdge> all = edges_;
   for (std::size_t i = 1; i < way.size(); ++i)
     all[edges_.size() - way.size() + i].first_from_second = way[i - 1].inverse() * way[i];
-  all.insert(all.end(), ties_.begin(), ties_.end());
-  const PoseEdge* const ties = all.data() + edges_.size();
+  all.insert(all.end(), constraints_.begin(), constraints_.end());
+  const PoseEdge* const constraints = all.data() + edges_.size();
   poses = optimisePoses(std::move(poses), all);
   const bool contradicted = std::any_of(all.begin(), all.end(), [&](const PoseEdge& edge) {
-    const double strain = strainOf(edge, poses);
-    return strain > kMostStrain && (&edge >= ties || strain > kMostDeviations * edge.shift_deviation);
+    const double residual = residualOf(edge, poses);
+    return residual > kMostResidual &&
+           (&edge >= constraints || residual > kMostDeviations * edge.shift_deviation);
   });
   if (contradicted) {
-    ties_.resize(closed_ties_);
+    constraints_.resize(closed_constraints_);
     return false;
   }
   for (std::size_t i = 0; i < keyframes_.size(); ++i) keyframes_[i].world_from_camera = poses[i];
   std::copy_n(all.begin(), edges_.size(), edges_.begin());
   if (!frames_.empty()) last_ = framePoses().back();
-  closed_ties_ = ties_.size();
+  closed_constraints_ = constraints_.size();
   return true;
 }
 
-std::vector<Pose> KeyframeMap::framePoses() const {
+std::vector<Pose> KeyframeGraph::framePoses() const {
   std::vector<Pose> poses;
-  for (const HungFrame& f : frames_)
+  for (const AttachedFrame& f : frames_)
     poses.push_back(keyframes_[f.keyframe].world_from_camera * f.keyframe_from_camera);
   return poses;
 }

@@ -10,18 +10,18 @@
 namespace rosefusion {
 
 /// The way travelled counts a radian as much as a metre. One thread.
-class KeyframeMap {
+class KeyframeGraph {
  public:
-  explicit KeyframeMap(const LoopSettings& settings) : settings_(settings) {}
+  explicit KeyframeGraph(const LoopSettings& settings) : settings_(settings) {}
 
   /// Hangs a frame onto the keyframe that it followed. True where it is a keyframe itself, which only a fused
-  /// frame can be. `firm`: the depth held it in every direction.
-  bool add(const Pose& world_from_camera, bool fused, bool firm);
+  /// frame can be. `well_constrained`: the depth held it in every direction.
+  bool add(const Pose& world_from_camera, bool fused, bool well_constrained);
   /// The camera was lost: the next frames hang onto the keyframe nearest to where they were found.
-  void breakOff() { broken_ = true; }
+  void onTrackingLost() { broken_ = true; }
 
   /// Whether the newest keyframe shares `least` with one that was passed loops.min_travel before.
-  bool meetsOld(double least, const std::function<double(std::size_t)>& overlap) const;
+  bool overlapsOld(double least, const std::function<double(std::size_t)>& overlap) const;
 
   std::size_t size() const { return keyframes_.size(); }
   const Pose& pose(std::size_t keyframe) const { return keyframes_[keyframe].world_from_camera; }
@@ -37,12 +37,12 @@ class KeyframeMap {
                                       const std::function<bool(std::size_t)>& usable) const;
 
   /// The newest keyframe's pose, measured against an old one; `sure`: by most of its image.
-  PoseEdge tieOf(std::size_t old, const Pose& world_from_newest, bool sure = true) const;
+  PoseEdge constraintTo(std::size_t old, const Pose& world_from_newest, bool sure = true) const;
   /// Counts from the next close() on.
-  void tie(const PoseEdge& edge) { ties_.push_back(edge); }
-  /// Moves all keyframes to where the edges want them; false, and nothing is changed, where the newest ties
-  /// contradict older ones or what was tracked firmly. Then they are forgotten. `way`: poses of the newest
-  /// keyframes, the last one included, whose motions replace the tracked ones.
+  void addConstraint(const PoseEdge& edge) { constraints_.push_back(edge); }
+  /// Moves all keyframes to where the edges want them; false, and nothing is changed, where the newest loop
+  /// constraints contradict older ones or well constrained tracking. Then they are forgotten. `way`: poses of
+  /// the newest keyframes, the last one included, whose motions replace the tracked ones.
   bool close(std::span<const Pose> way = {});
   /// Poses of all frames added, in their order, as they are known now.
   std::vector<Pose> framePoses() const;
@@ -52,7 +52,7 @@ class KeyframeMap {
     Pose world_from_camera;
     double travelled;
   };
-  struct HungFrame {
+  struct AttachedFrame {
     std::size_t keyframe;
     Pose keyframe_from_camera;
   };
@@ -60,13 +60,14 @@ class KeyframeMap {
 
   const LoopSettings settings_;
   std::vector<Keyframe> keyframes_;
-  std::vector<PoseEdge> edges_, ties_;
-  std::size_t closed_ties_ = 0;  ///< of ties_, those that close() has moved the keyframes to
-  std::vector<HungFrame> frames_;
+  std::vector<PoseEdge> edges_, constraints_;
+  std::size_t closed_constraints_ = 0;  ///< of constraints_, those that close() has moved the keyframes to
+  std::vector<AttachedFrame> frames_;
   Pose last_ = Pose::Identity();
   double travelled_ = 0;
   bool broken_ = false;
-  double loose_way_ = 0;  ///< of what was travelled since the last keyframe, what frames not firm made
+  double weak_path_ =
+      0;  ///< of what was travelled since the last keyframe, what weakly constrained frames made
 };
 
 }  // namespace rosefusion

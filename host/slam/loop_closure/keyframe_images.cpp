@@ -4,7 +4,7 @@
 
 namespace rosefusion {
 
-void KeyframeStore::add(const Frame& frame, double travelled) {
+void KeyframeImages::add(const Frame& frame, double travelled) {
   Kept kept{frame.timestamp, travelled, frame.depth.size(), {}, {}};
   const auto depth = codec_.compressDepth(frame.depth);
   kept.depth.assign(depth.begin(), depth.end());
@@ -21,7 +21,7 @@ void KeyframeStore::add(const Frame& frame, double travelled) {
   }
 }
 
-void KeyframeStore::thin() {
+void KeyframeImages::thin() {
   std::size_t victim = 0, before = 0, middle = 0;
   double smallest = 0;
   for (std::size_t i = 1; i < kept_.size(); ++i) {
@@ -40,7 +40,7 @@ void KeyframeStore::thin() {
   kept_[victim].colour = {};
 }
 
-Frame KeyframeStore::frame(std::size_t keyframe) {
+Frame KeyframeImages::frame(std::size_t keyframe) {
   const Kept& kept = kept_[keyframe];
   Frame frame;
   frame.timestamp = kept.timestamp;

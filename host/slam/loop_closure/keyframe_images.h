@@ -11,9 +11,9 @@ namespace rosefusion {
 
 /// Numbers keyframes in the order in which they come. Beyond the limit it drops the images of the keyframe
 /// that leaves the smallest gap in the way travelled; never the first's and the last's. One thread.
-class KeyframeStore {
+class KeyframeImages {
  public:
-  explicit KeyframeStore(std::uint64_t limit_bytes) : limit_bytes_(limit_bytes) {}
+  explicit KeyframeImages(std::uint64_t limit_bytes) : limit_bytes_(limit_bytes) {}
 
   /// Keeps copies of depth and colour; `travelled`: how far the camera had come, growing.
   void add(const Frame& frame, double travelled);

@@ -9,23 +9,23 @@ constexpr double kLeastShare = 0.3;  // of the image that must read a distance, 
 
 }  // namespace
 
-FreshWay::FreshWay(Device& device, const Settings& settings, const Intrinsics& intrinsics,
-                   const VolumeOptions& volume, Fuse fuse)
+LocalOdometry::LocalOdometry(Device& device, const Settings& settings, const Intrinsics& intrinsics,
+                             const VolumeOptions& volume, Fuse fuse)
     : settings_(settings.refine),
       fuse_(std::move(fuse)),
       refiner_(device, settings, intrinsics),
       recent_(device, volume) {}
 
-void FreshWay::begin(std::size_t first, std::span<const Pose> keyframes) {
+void LocalOdometry::begin(std::size_t first, std::span<const Pose> keyframes) {
   recent_.clear();
   for (std::size_t i = 0; i < keyframes.size(); ++i) fuse_(first + i, recent_, keyframes[i]);
   poses_ = {keyframes.back()};
   next_ = first + keyframes.size();
 }
 
-void FreshWay::step(const PreprocessPass& frame, const Pose& last_from_camera) {
+void LocalOdometry::step(const PreprocessPass& frame, const Pose& last_from_camera) {
   const Pose expected = poses_.back() * last_from_camera;
-  refiner_.look(frame, settings_.pixel_stride, poses_.back());
+  refiner_.selectPixels(frame, settings_.pixel_stride, poses_.back());
   const PoseFit fit =
       refiner_.refine(recent_, std::vector<Pose>{expected}, settings_.iterations, expected)[0];
   poses_.push_back(fit.holds(kLeastShare, settings_.least_constraint) ? fit.world_from_camera : expected);

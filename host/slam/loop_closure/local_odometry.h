@@ -10,13 +10,13 @@ namespace rosefusion {
 /// While old surfaces come into view, the tracker may slide from the new map onto the old one where the two
 /// are shifted or turned against each other; then no comparison with the old map finds drift. Poses found
 /// against recent keyframes alone keep it. One thread; the Device must outlive it.
-class FreshWay {
+class LocalOdometry {
  public:
   /// Fuses a keyframe, as if taken from there.
   using Fuse = std::function<void(std::size_t keyframe, Volume& volume, const Pose& world_from_camera)>;
 
-  FreshWay(Device& device, const Settings& settings, const Intrinsics& intrinsics,
-           const VolumeOptions& volume, Fuse fuse);
+  LocalOdometry(Device& device, const Settings& settings, const Intrinsics& intrinsics,
+                const VolumeOptions& volume, Fuse fuse);
 
   /// From the last of these keyframes on, of which `first` is the first one's number.
   void begin(std::size_t first, std::span<const Pose> keyframes);
@@ -29,7 +29,7 @@ class FreshWay {
  private:
   const RefineSettings settings_;
   Fuse fuse_;
-  Refiner refiner_;
+  PoseRefiner refiner_;
   Volume recent_;
   std::vector<Pose> poses_;
   std::size_t next_ = 0;  ///< number of the next keyframe

@@ -19,19 +19,20 @@ constexpr double kAfterAgreement = 1, kAfterNothing = 0.3;
 // Two keyframes, not far apart, must ask for the same correction, to this and a share of it.
 constexpr double kSameShift = 0.03, kSameTurn = 0.02, kSameShare = 0.1;
 constexpr double kPendingFor = 1;  // travelled between the two, of which one at least must be sure
-// A correction this large that is asked for no longer: the tracker has jumped onto the old map by itself.
-// Ties to both sides of the jump hold only where the way between is loose; elsewhere they contradict it.
+// If a large correction is gone at the next check, tracking snapped onto the old surfaces by itself. Loop
+// constraints on both sides of the snap are consistent only if the odometry between has inflated covariance.
 constexpr double kJump = 0.08, kJumped = 0.25;  // metres; the share of it that may be left
 constexpr double kLever = 2.5;                  // metres from the camera to what a turn moves
 // A place that comes into view: at so much of loops.share a keyframe may speak for a correction, though not
 // alone. Walls that are there twice lead the tracker astray soon after.
 constexpr double kSuspicion = 0.5;
-// The way is measured anew from the first glimpse of old surfaces on, until a comparison with them, for so
+// Local odometry runs from the first small overlap with old surfaces until a comparison with them, for so
 // long.
-constexpr double kGlimpse = 0.05, kLongestGlimpse = 12;  // share of the image; travelled
-constexpr double kSlide = 0.04;                          // metres that it differs by
-constexpr std::size_t kRecent = 8;                       // keyframes that it begins with
-constexpr double kConstraintFactor = 5;  // of refine.least_constraint: what holds a tie in every direction
+constexpr double kSmallOverlap = 0.05, kLongestSmallOverlap = 12;  // share of the image; travelled
+constexpr double kSlide = 0.04;                                    // metres that it differs by
+constexpr std::size_t kRecent = 8;                                 // keyframes that it begins with
+constexpr double kConstraintFactor =
+    5;  // of refine.least_constraint: what holds a loop constraint in every direction
 
 VolumeOptions optionsOf(const VolumeSettings& s, bool colour) {
   VolumeOptions out = volumeOptions(s);
@@ -62,87 +63,87 @@ class KeyframeLoopCloser : public LoopCloser {
   KeyframeLoopCloser(Device& device, const Settings& settings, const Intrinsics& intrinsics,
                      double depth_units_per_metre, const TemplateSet& templates)
       : settings_(settings),
-        map_(settings.loops),
-        store_(settings.loops.memory_mb << 20),
+        graph_(settings.loops),
+        images_(settings.loops.memory_mb << 20),
         views_(intrinsics, settings.depth, depth_units_per_metre),
         recorder_(device),
         fuser_(device, settings, intrinsics, depth_units_per_metre),
         search_(device, settings, intrinsics, templates),
         refiner_(device, settings, intrinsics),
         small_(device, optionsOf(settings.volume, false)),
-        fresh_(device, settings, intrinsics, optionsOf(settings.volume, settings.volume.colour),
-               [this](std::size_t i, Volume& volume, const Pose& pose) {
-                 if (store_.has(i)) fuse(i, volume, pose);
-               }) {}
+        local_odometry_(device, settings, intrinsics, optionsOf(settings.volume, settings.volume.colour),
+                        [this](std::size_t i, Volume& volume, const Pose& pose) {
+                          if (images_.has(i)) fuse(i, volume, pose);
+                        }) {}
 
   std::optional<LoopClosure> add(const Frame& frame, const PreprocessPass& on_device, const Pose& pose,
-                                 bool fused, bool firm) override {
-    if (!map_.add(pose, fused, firm)) return {};
-    store_.add(frame, map_.travelled());
+                                 bool fused, bool well_constrained) override {
+    if (!graph_.add(pose, fused, well_constrained)) return {};
+    images_.add(frame, graph_.travelled());
     views_.add(frame.depth);
-    followAnew(on_device);
-    if (map_.travelled() < next_check_) return {};
-    const auto old = map_.candidate(
-        [this](std::size_t i) { return store_.has(i); },
-        [&](std::size_t i) { return views_.overlap(map_.size() - 1, i, map_.pose(i).inverse() * pose); });
+    trackLocally(on_device);
+    if (graph_.travelled() < next_check_) return {};
+    const auto old = graph_.candidate(
+        [this](std::size_t i) { return images_.has(i); },
+        [&](std::size_t i) { return views_.overlap(graph_.size() - 1, i, graph_.pose(i).inverse() * pose); });
     if (!old) return {};
     ++figures_.checks;
     std::optional<Finding> found = measure(*old, on_device, pose);
     if (!found) return {};
     const std::optional<Correction> slide = slideOf(*found);
     if (slide) found->correction = *slide;
-    if (!believe(*found)) return {};
-    const bool closed = slide ? map_.close(fresh_.poses()) : map_.close();
-    meet();
+    if (!accept(*found)) return {};
+    const bool closed = slide ? graph_.close(local_odometry_.poses()) : graph_.close();
+    endRevisit();
     if (!closed) {
       ++figures_.contradictions;
-      next_check_ = map_.travelled() + kAfterAgreement;
+      next_check_ = graph_.travelled() + kAfterAgreement;
       return {};
     }
     ++figures_.closures;
     modelled_.reset();
     suspected_.reset();
-    return LoopClosure{store_.timestamp(*old), found->correction.shift(), found->correction.turn()};
+    return LoopClosure{images_.timestamp(*old), found->correction.shift(), found->correction.turn()};
   }
 
-  void breakOff() override {
-    map_.breakOff();
+  void onTrackingLost() override {
+    graph_.onTrackingLost();
     suspected_.reset();
-    fresh_.end();
-    met_ = false;
-    unbroken_from_ = map_.size();
+    local_odometry_.end();
+    revisit_checked_ = false;
+    unbroken_from_ = graph_.size();
     pending_.reset();  // no way from there is left that could contradict it
   }
 
   bool finish() override {
     if (figures_.closures == 0) return false;
     const std::vector<Pose> before = keyframePoses();
-    if (!map_.close()) return false;
+    if (!graph_.close()) return false;
     for (std::size_t i = 0; i < before.size(); ++i)
-      if ((map_.pose(i).translation() - before[i].translation()).norm() > settings_.loops.tolerance)
+      if ((graph_.pose(i).translation() - before[i].translation()).norm() > settings_.loops.tolerance)
         return true;
     return false;
   }
 
   void rebuild(Volume& volume) override {
     volume.clear();
-    for (std::size_t i = 0; i < store_.size(); ++i)
-      if (store_.has(i)) fuse(i, volume, map_.pose(i));
+    for (std::size_t i = 0; i < images_.size(); ++i)
+      if (images_.has(i)) fuse(i, volume, graph_.pose(i));
   }
 
-  std::vector<Pose> framePoses() const override { return map_.framePoses(); }
+  std::vector<Pose> framePoses() const override { return graph_.framePoses(); }
 
   std::vector<Pose> keyframePoses() const override {
     std::vector<Pose> poses;
-    for (std::size_t i = 0; i < map_.size(); ++i) poses.push_back(map_.pose(i));
+    for (std::size_t i = 0; i < graph_.size(); ++i) poses.push_back(graph_.pose(i));
     return poses;
   }
 
   LoopFigures figures() const override {
     LoopFigures out = figures_;
-    out.keyframes = store_.size();
-    for (std::size_t i = 0; i < store_.size(); ++i) out.keyframes_with_images += store_.has(i);
-    out.image_bytes = store_.bytes();
+    out.keyframes = images_.size();
+    for (std::size_t i = 0; i < images_.size(); ++i) out.keyframes_with_images += images_.has(i);
+    out.image_bytes = images_.bytes();
     return out;
   }
 
@@ -150,13 +151,13 @@ class KeyframeLoopCloser : public LoopCloser {
   /// What a comparison with an old place found.
   struct Finding {
     Correction correction;
-    PoseEdge tie;
+    PoseEdge constraint;
     double travelled;
     bool sure;
   };
 
-  /// True where the ties, to which this was added, are to move the map now.
-  bool believe(const Finding& found) {
+  /// True where the loop constraints, to which this was added, are to move the map now.
+  bool accept(const Finding& found) {
     const Correction& c = found.correction;
     const auto pendingWithin = [&](double most) {
       return pending_ && found.travelled - pending_->travelled < most;
@@ -167,8 +168,8 @@ class KeyframeLoopCloser : public LoopCloser {
                         pending_->correction.size() > kJump &&
                         c.size() < kJumped * pending_->correction.size();
     if (again || jumped) {
-      map_.tie(std::exchange(pending_, {})->tie);
-      map_.tie(found.tie);
+      graph_.addConstraint(std::exchange(pending_, {})->constraint);
+      graph_.addConstraint(found.constraint);
       return true;
     }
     if (isDrift(c)) {
@@ -178,16 +179,16 @@ class KeyframeLoopCloser : public LoopCloser {
     next_check_ = found.travelled + (found.sure ? kAfterAgreement : kAfterNothing);
     if (!found.sure) return false;
     ++figures_.agreements;
-    map_.tie(found.tie);
+    graph_.addConstraint(found.constraint);
     pending_.reset();
-    meet();
+    endRevisit();
     return false;
   }
 
   /// Drift that shows on the way measured anew, and there alone.
   std::optional<Correction> slideOf(const Finding& found) const {
-    if (fresh_.poses().empty() || !found.sure || isDrift(found.correction)) return {};
-    const Pose& camera = fresh_.poses().back();
+    if (local_odometry_.poses().empty() || !found.sure || isDrift(found.correction)) return {};
+    const Pose& camera = local_odometry_.poses().back();
     const Correction& tracked = found.correction;
     const Correction slide{tracked.new_from_old_world * tracked.camera * camera.inverse(), camera};
     return slide.size() < kSlide ? std::nullopt : std::optional(slide);
@@ -197,34 +198,35 @@ class KeyframeLoopCloser : public LoopCloser {
     return c.shift() >= settings_.loops.tolerance || c.turn() >= settings_.loops.tolerance;
   }
 
-  /// The way from here on hangs on the old surfaces in view.
-  void meet() {
-    met_ = true;
-    fresh_.end();
+  /// From here on the old surfaces in view hold the camera.
+  void endRevisit() {
+    revisit_checked_ = true;
+    local_odometry_.end();
   }
 
   /// Measures the newest keyframe's pose anew while there are old surfaces in view that it was not yet
   /// compared with.
-  void followAnew(const PreprocessPass& frame) {
-    const std::size_t newest = map_.size() - 1;
-    const Pose& pose = map_.pose(newest);
-    const bool glimpsed = map_.meetsOld(
-        kGlimpse, [&](std::size_t i) { return views_.overlap(newest, i, map_.pose(i).inverse() * pose); });
-    if (!glimpsed) met_ = false;
-    if (!glimpsed || met_ || newest <= unbroken_from_) return fresh_.end();
-    if (fresh_.poses().empty()) {
+  void trackLocally(const PreprocessPass& frame) {
+    const std::size_t newest = graph_.size() - 1;
+    const Pose& pose = graph_.pose(newest);
+    const bool revisiting = graph_.overlapsOld(kSmallOverlap, [&](std::size_t i) {
+      return views_.overlap(newest, i, graph_.pose(i).inverse() * pose);
+    });
+    if (!revisiting) revisit_checked_ = false;
+    if (!revisiting || revisit_checked_ || newest <= unbroken_from_) return local_odometry_.end();
+    if (local_odometry_.poses().empty()) {
       std::vector<Pose> recent;
       for (std::size_t i = std::max(unbroken_from_, newest - std::min(newest, kRecent)); i < newest; ++i)
-        recent.push_back(map_.pose(i));
-      fresh_.begin(newest - recent.size(), recent);
-      fresh_from_ = map_.travelled();
+        recent.push_back(graph_.pose(i));
+      local_odometry_.begin(newest - recent.size(), recent);
+      local_odometry_from_ = graph_.travelled();
     }
-    if (map_.travelled() - fresh_from_ > kLongestGlimpse) return meet();
-    fresh_.step(frame, map_.pose(newest - 1).inverse() * pose);
+    if (graph_.travelled() - local_odometry_from_ > kLongestSmallOverlap) return endRevisit();
+    local_odometry_.step(frame, graph_.pose(newest - 1).inverse() * pose);
   }
 
   void fuse(std::size_t keyframe, Volume& volume, const Pose& pose) {
-    fuser_.recordFrame(recorder_, store_.frame(keyframe));
+    fuser_.recordFrame(recorder_, images_.frame(keyframe));
     recorder_.submit();
     fuser_.fuse(recorder_, volume, pose);
   }
@@ -233,8 +235,8 @@ class KeyframeLoopCloser : public LoopCloser {
   std::optional<Finding> measure(std::size_t old, const PreprocessPass& frame, const Pose& estimate) {
     if (modelled_ != old) {
       small_.clear();
-      for (const std::size_t i : map_.neighbours(old, [this](std::size_t k) { return store_.has(k); }))
-        fuse(i, small_, map_.pose(i));
+      for (const std::size_t i : graph_.neighbours(old, [this](std::size_t k) { return images_.has(k); }))
+        fuse(i, small_, graph_.pose(i));
       modelled_ = old;
     }
     std::vector<Pose> starts{estimate};
@@ -243,7 +245,7 @@ class KeyframeLoopCloser : public LoopCloser {
       return fit.holds(share, kConstraintFactor * settings_.refine.least_constraint);
     };
     const auto descend = [&](const std::vector<Pose>& from) {
-      refiner_.look(frame, settings_.refine.pixel_stride);
+      refiner_.selectPixels(frame, settings_.refine.pixel_stride);
       const std::vector<PoseFit> fits =
           refiner_.refine(small_, from, settings_.refine.iterations, from.back());
       return *std::min_element(fits.begin(), fits.end(),
@@ -251,31 +253,33 @@ class KeyframeLoopCloser : public LoopCloser {
     };
     PoseFit fit = descend(starts);
     if (!holds(fit, settings_.loops.share))
-      fit = descend({locate(search_, refiner_, settings_.refine, frame, small_, starts).world_from_camera});
+      fit = descend(
+          {searchAround(search_, refiner_, settings_.refine, frame, small_, starts).world_from_camera});
     suspected_.reset();
     if (!holds(fit, kSuspicion * settings_.loops.share)) {
-      next_check_ = map_.travelled() + kAfterNothing;
+      next_check_ = graph_.travelled() + kAfterNothing;
       return {};
     }
     const bool sure = holds(fit, settings_.loops.share);
     suspected_ = Correction{fit.world_from_camera * estimate.inverse(), estimate};
-    return Finding{*suspected_, map_.tieOf(old, fit.world_from_camera, sure), map_.travelled(), sure};
+    return Finding{*suspected_, graph_.constraintTo(old, fit.world_from_camera, sure), graph_.travelled(),
+                   sure};
   }
 
   const Settings settings_;
-  KeyframeMap map_;
-  KeyframeStore store_;
+  KeyframeGraph graph_;
+  KeyframeImages images_;
   KeyframeViews views_;
   Recorder recorder_;
-  FrameFuser fuser_;
+  FrameIntegrator fuser_;
   SwarmSearch search_;
-  Refiner refiner_;
+  PoseRefiner refiner_;
   Volume small_;  ///< around the old keyframe modelled_
   std::optional<std::size_t> modelled_;
-  FreshWay fresh_;
-  double fresh_from_ = 0;                ///< travelled until it began
+  LocalOdometry local_odometry_;
+  double local_odometry_from_ = 0;       ///< travelled until it began
   std::size_t unbroken_from_ = 0;        ///< keyframe after the last loss
-  bool met_ = false;                     ///< the old surfaces in view have been compared with
+  bool revisit_checked_ = false;         ///< the old surfaces in view have been compared with
   std::optional<Finding> pending_;       ///< drift that one keyframe told of
   std::optional<Correction> suspected_;  ///< what the last comparison found, which starts the next
   double next_check_ = 0;                ///< travelled until then

@@ -38,12 +38,14 @@ struct LoopFigures {
 class LoopCloser {
  public:
   virtual ~LoopCloser() = default;
-  /// Tells of a frame that was accepted, and held by `on_device`; `firm`: the depth held it in every
-  /// direction. Where that closes a loop, all earlier poses have changed: the caller rebuilds its volume.
+  /// Tells of a frame that was accepted, and held by `on_device`; `well_constrained`: the depth held it in
+  /// every direction. Where that closes a loop, all earlier poses have changed: the caller rebuilds its
+  /// volume.
   virtual std::optional<LoopClosure> add(const Frame& frame, const PreprocessPass& on_device,
-                                         const Pose& world_from_camera, bool fused, bool firm) = 0;
+                                         const Pose& world_from_camera, bool fused,
+                                         bool well_constrained) = 0;
   /// The camera was lost.
-  virtual void breakOff() = 0;
+  virtual void onTrackingLost() = 0;
   /// Closes with all that is known at the end of a run in which loops were closed. True where poses changed
   /// enough for the volume to be rebuilt.
   virtual bool finish() = 0;

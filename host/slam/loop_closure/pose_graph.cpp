@@ -72,7 +72,7 @@ std::vector<Pose> optimisePoses(std::vector<Pose> poses, std::span<const PoseEdg
   return poses;
 }
 
-double strainOf(const PoseEdge& edge, std::span<const Pose> poses) {
+double residualOf(const PoseEdge& edge, std::span<const Pose> poses) {
   const Pose motion = poses[edge.first].inverse() * poses[edge.second];
   return (motion.translation() - edge.first_from_second.translation()).norm();
 }

@@ -22,6 +22,6 @@ struct PoseEdge {
 std::vector<Pose> optimisePoses(std::vector<Pose> poses, std::span<const PoseEdge> edges);
 
 /// How far the poses are from an edge's motion, metres.
-double strainOf(const PoseEdge& edge, std::span<const Pose> poses);
+double residualOf(const PoseEdge& edge, std::span<const Pose> poses);
 
 }  // namespace rosefusion

@@ -18,22 +18,22 @@ VolumeOptions coarseOptions(const VolumeSettings& s) {
 
 }  // namespace
 
-Overview::Overview(Device& device, const Settings& settings, const Intrinsics& camera,
-                   double depth_units_per_metre)
+CoarseMap::CoarseMap(Device& device, const Settings& settings, const Intrinsics& camera,
+                     double depth_units_per_metre)
     : camera_(camera),
       range_(settings.depth),
       units_(depth_units_per_metre),
       volume_(device, coarseOptions(settings.volume)) {}
 
-cv::Mat Overview::metresOf(const cv::Mat& depth) const {
+cv::Mat CoarseMap::metresOf(const cv::Mat& depth) const {
   cv::Mat metres;
   depth.convertTo(metres, CV_32F, 1 / units_);
   metres.setTo(0, (metres < range_.min) | (metres > range_.max));
   return metres;
 }
 
-void Overview::add(FrameFuser& fuser, Recorder& recorder, const cv::Mat& depth, const Pose& world_from_camera,
-                   std::size_t frame) {
+void CoarseMap::add(FrameIntegrator& fuser, Recorder& recorder, const cv::Mat& depth,
+                    const Pose& world_from_camera, std::size_t frame) {
   fuser.fuse(recorder, volume_, world_from_camera);
   const std::vector<SurfacePatch> patches = patchesOf(depth);
   const std::size_t every = std::max<std::size_t>(1, patches.size() / kPatchesOfFrame);
@@ -42,17 +42,17 @@ void Overview::add(FrameFuser& fuser, Recorder& recorder, const cv::Mat& depth, 
   place(view, world_from_camera);
 }
 
-void Overview::place(const View& view, const Pose& world_from_camera) {
+void CoarseMap::place(const View& view, const Pose& world_from_camera) {
   for (const SurfacePatch& patch : view.patches)
     patches_.push_back({world_from_camera * patch.point, world_from_camera.linear() * patch.normal});
 }
 
-void Overview::rebase(std::span<const Pose> frame_poses) {
+void CoarseMap::rebase(std::span<const Pose> frame_poses) {
   patches_.clear();
   for (const View& view : views_) place(view, frame_poses[view.frame]);
 }
 
-std::vector<SurfacePatch> Overview::patchesOf(const cv::Mat& depth) const {
+std::vector<SurfacePatch> CoarseMap::patchesOf(const cv::Mat& depth) const {
   return surfacePatches(metresOf(depth), camera_);
 }
 

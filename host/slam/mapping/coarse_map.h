@@ -7,12 +7,12 @@
 namespace rosefusion {
 
 /// One thread; the Device must outlive it.
-class Overview {
+class CoarseMap {
  public:
-  Overview(Device& device, const Settings& settings, const Intrinsics& camera, double depth_units_per_metre);
+  CoarseMap(Device& device, const Settings& settings, const Intrinsics& camera, double depth_units_per_metre);
 
   /// Adds the frame (see Frame::depth) that `fuser` holds, at its pose. `frame`: its number, for rebase().
-  void add(FrameFuser& fuser, Recorder& recorder, const cv::Mat& depth, const Pose& world_from_camera,
+  void add(FrameIntegrator& fuser, Recorder& recorder, const cv::Mat& depth, const Pose& world_from_camera,
            std::size_t frame);
   /// Voxels and truncation are several times those of the model proper. No colour.
   const Volume& volume() const { return volume_; }

@@ -16,8 +16,8 @@ VolumeOptions volumeOptions(const VolumeSettings& s) {
   return out;
 }
 
-FrameFuser::FrameFuser(Device& device, const Settings& settings, const Intrinsics& intrinsics,
-                       double depth_units_per_metre)
+FrameIntegrator::FrameIntegrator(Device& device, const Settings& settings, const Intrinsics& intrinsics,
+                                 double depth_units_per_metre)
     : settings_(settings),
       intrinsics_(intrinsics),
       depth_units_per_metre_(depth_units_per_metre),
@@ -26,13 +26,13 @@ FrameFuser::FrameFuser(Device& device, const Settings& settings, const Intrinsic
       integrate_(device) {}
 
 template <typename Depth>
-void FrameFuser::recordDepth(Recorder& recorder, const Depth& depth) {
+void FrameIntegrator::recordDepth(Recorder& recorder, const Depth& depth) {
   preprocess_.record(recorder, depth, static_cast<float>(1 / depth_units_per_metre_),
                      static_cast<float>(settings_.depth.min), static_cast<float>(settings_.depth.max),
                      static_cast<float>(settings_.depth.edge_sigmas), toShader(settings_.depth));
 }
 
-std::span<const std::uint32_t> FrameFuser::wordsOf(const cv::Mat& bgr) {
+std::span<const std::uint32_t> FrameIntegrator::wordsOf(const cv::Mat& bgr) {
   words_.resize(bgr.total());
   std::uint32_t* word = words_.data();
   for (int row = 0; row < bgr.rows; ++row) {
@@ -43,12 +43,12 @@ std::span<const std::uint32_t> FrameFuser::wordsOf(const cv::Mat& bgr) {
   return words_;
 }
 
-void FrameFuser::recordFrame(Recorder& recorder, const DevicePixels& depth) {
+void FrameIntegrator::recordFrame(Recorder& recorder, const DevicePixels& depth) {
   recordDepth(recorder, depth);
   preprocess_.clearColour();
 }
 
-void FrameFuser::recordFrame(Recorder& recorder, const Frame& frame) {
+void FrameIntegrator::recordFrame(Recorder& recorder, const Frame& frame) {
   const cv::Mat depth = frame.depth.isContinuous() ? frame.depth : frame.depth.clone();
   if (depth.type() != CV_16UC1 || depth.cols != intrinsics_.width || depth.rows != intrinsics_.height)
     throw InputError("A depth frame must be a 16-bit image of " + std::to_string(intrinsics_.width) + " x " +
@@ -60,17 +60,17 @@ void FrameFuser::recordFrame(Recorder& recorder, const Frame& frame) {
     preprocess_.clearColour();
 }
 
-void FrameFuser::recordSearch(Recorder& recorder, const Volume& volume, const Pose& world_from_camera) {
+void FrameIntegrator::recordSearch(Recorder& recorder, const Volume& volume, const Pose& world_from_camera) {
   allocate_.record(recorder, volume, preprocess_, toShader(intrinsics_), toShader(world_from_camera));
 }
 
-void FrameFuser::recordFusion(Recorder& recorder, const Volume& volume, const Pose& world_from_camera) {
+void FrameIntegrator::recordFusion(Recorder& recorder, const Volume& volume, const Pose& world_from_camera) {
   integrate_.record(
       recorder, volume, preprocess_, toShader(intrinsics_), toShader(world_from_camera.inverse()),
       static_cast<float>(settings_.depth.max + settings_.volume.truncation), toShader(settings_.depth));
 }
 
-void FrameFuser::fuse(Recorder& recorder, Volume& volume, const Pose& world_from_camera) {
+void FrameIntegrator::fuse(Recorder& recorder, Volume& volume, const Pose& world_from_camera) {
   do {
     recordSearch(recorder, volume, world_from_camera);
     recorder.submit();

@@ -15,10 +15,10 @@ VolumeOptions volumeOptions(const VolumeSettings& settings);
 /// Holds the current frame on the device. recordSearch() and grow(), repeated while grow() says so, come
 /// before recordFusion(); each is submitted and has run before the next. The Device must outlive it. One
 /// thread.
-class FrameFuser {
+class FrameIntegrator {
  public:
-  FrameFuser(Device& device, const Settings& settings, const Intrinsics& intrinsics,
-             double depth_units_per_metre);
+  FrameIntegrator(Device& device, const Settings& settings, const Intrinsics& intrinsics,
+                  double depth_units_per_metre);
 
   /// Copies the images at once. Throws InputError for a depth image of another size or type; colour of
   /// another size is left out.

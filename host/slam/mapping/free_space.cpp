@@ -19,12 +19,12 @@ constexpr double kViewShift = 0.4, kViewTurn = 0.4;
 
 }  // namespace
 
-double SeenThrough::metresAt(const cv::Mat& depth, int u, int v) const {
+double KnownFreeSpace::metresAt(const cv::Mat& depth, int u, int v) const {
   const double z = depth.at<std::uint16_t>(v, u) / units_;
   return z >= range_.min && z <= range_.max ? z : 0;
 }
 
-SeenThrough::View SeenThrough::shrunk(const cv::Mat& depth, const Pose& world_from_camera) const {
+KnownFreeSpace::View KnownFreeSpace::shrunk(const cv::Mat& depth, const Pose& world_from_camera) const {
   cv::Mat small(depth.rows / kKeptStride, depth.cols / kKeptStride, CV_32F);
   for (int v = 0; v < small.rows; ++v)
     for (int u = 0; u < small.cols; ++u)
@@ -32,7 +32,7 @@ SeenThrough::View SeenThrough::shrunk(const cv::Mat& depth, const Pose& world_fr
   return {small, world_from_camera, world_from_camera.inverse()};
 }
 
-void SeenThrough::keep(const cv::Mat& depth, const Pose& world_from_camera, std::size_t frame) {
+void KnownFreeSpace::keep(const cv::Mat& depth, const Pose& world_from_camera, std::size_t frame) {
   last_ = shrunk(depth, world_from_camera);
   last_.frame = frame;
   if (std::none_of(keyframes_.begin(), keyframes_.end(), [&](const View& view) {
@@ -41,7 +41,7 @@ void SeenThrough::keep(const cv::Mat& depth, const Pose& world_from_camera, std:
     keyframes_.push_back(last_);
 }
 
-void SeenThrough::rebase(std::span<const Pose> frame_poses) {
+void KnownFreeSpace::rebase(std::span<const Pose> frame_poses) {
   const auto move = [&](View& view) {
     view.world_from_camera = frame_poses[view.frame];
     view.camera_from_world = view.world_from_camera.inverse();
@@ -50,7 +50,7 @@ void SeenThrough::rebase(std::span<const Pose> frame_poses) {
   for (View& view : keyframes_) move(view);
 }
 
-bool SeenThrough::seesThrough(const View& view, const Eigen::Vector3d& world, double margin) const {
+bool KnownFreeSpace::seesThrough(const View& view, const Eigen::Vector3d& world, double margin) const {
   const Eigen::Vector3d p = view.camera_from_world * world;
   if (p.z() <= 0) return false;
   const Eigen::Vector2d pixel = camera_.project(p) / kKeptStride;
@@ -64,7 +64,7 @@ bool SeenThrough::seesThrough(const View& view, const Eigen::Vector3d& world, do
   return nearest - p.z() > margin * std::max(kMargin, kMarginShare * p.z());
 }
 
-bool SeenThrough::shows(const View& view, const Eigen::Vector3d& world, double margin) const {
+bool KnownFreeSpace::shows(const View& view, const Eigen::Vector3d& world, double margin) const {
   const Eigen::Vector3d p = view.camera_from_world * world;
   if (p.z() <= 0) return false;
   const Eigen::Vector2d pixel = camera_.project(p) / kKeptStride;
@@ -74,8 +74,8 @@ bool SeenThrough::shows(const View& view, const Eigen::Vector3d& world, double m
 }
 
 template <typename Test>
-double SeenThrough::shareWhere(const cv::Mat& depth, const Pose& world_from_camera, int stride,
-                               const Test& test) const {
+double KnownFreeSpace::shareWhere(const cv::Mat& depth, const Pose& world_from_camera, int stride,
+                                  const Test& test) const {
   int valid = 0, through = 0;
   for (int v = stride / 2; v < depth.rows; v += stride)
     for (int u = stride / 2; u < depth.cols; u += stride) {
@@ -87,18 +87,18 @@ double SeenThrough::shareWhere(const cv::Mat& depth, const Pose& world_from_came
   return valid ? static_cast<double>(through) / valid : 0;
 }
 
-double SeenThrough::shareOfLast(const cv::Mat& depth, const Pose& world_from_camera) const {
+double KnownFreeSpace::violationOfLast(const cv::Mat& depth, const Pose& world_from_camera) const {
   if (last_.depth.empty()) return 0;
   return shareWhere(depth, world_from_camera, kStride,
                     [&](const Eigen::Vector3d& world) { return seesThrough(last_, world); });
 }
 
-double SeenThrough::shareOfAll(const cv::Mat& depth, const Pose& world_from_camera) const {
-  return shareOfAll(depth, world_from_camera, kStride, 1);
+double KnownFreeSpace::violation(const cv::Mat& depth, const Pose& world_from_camera) const {
+  return violation(depth, world_from_camera, kStride, 1);
 }
 
-double SeenThrough::shareOfAll(const cv::Mat& depth, const Pose& world_from_camera, int stride,
-                               double margin) const {
+double KnownFreeSpace::violation(const cv::Mat& depth, const Pose& world_from_camera, int stride,
+                                 double margin) const {
   return shareWhere(depth, world_from_camera, stride, [&](const Eigen::Vector3d& world) {
     return std::any_of(keyframes_.begin(), keyframes_.end(),
                        [&](const View& view) { return seesThrough(view, world, margin); });
@@ -106,21 +106,21 @@ double SeenThrough::shareOfAll(const cv::Mat& depth, const Pose& world_from_came
 }
 
 template <typename Visit>
-void SeenThrough::eachSurface(const View& view, int stride, const Visit& visit) const {
+void KnownFreeSpace::eachSurface(const View& view, int stride, const Visit& visit) const {
   for (int v = stride / 2; v < view.depth.rows; v += stride)
     for (int u = stride / 2; u < view.depth.cols; u += stride)
       if (const double z = view.depth.at<float>(v, u); z > 0)
         visit(view.world_from_camera * camera_.unproject(u * kKeptStride, v * kKeptStride, z));
 }
 
-void SeenThrough::Missing::look(const SeenThrough& seen, const View& now, const Eigen::Vector3d& world,
-                                double margin) {
+void KnownFreeSpace::Missing::look(const KnownFreeSpace& seen, const View& now, const Eigen::Vector3d& world,
+                                   double margin) {
   const bool through = seen.seesThrough(now, world, margin);
   missing += through;
   expected += through || seen.shows(now, world, margin);
 }
 
-double SeenThrough::shareMissing(const cv::Mat& depth, const Pose& world_from_camera) const {
+double KnownFreeSpace::missingSurface(const cv::Mat& depth, const Pose& world_from_camera) const {
   const View now = shrunk(depth, world_from_camera);
   Missing of;
   for (const View& view : keyframes_)
@@ -129,7 +129,7 @@ double SeenThrough::shareMissing(const cv::Mat& depth, const Pose& world_from_ca
   return of.share(1);
 }
 
-std::vector<double> SeenThrough::glance(const cv::Mat& depth, std::span<const Pose> places) const {
+std::vector<double> KnownFreeSpace::quickScore(const cv::Mat& depth, std::span<const Pose> places) const {
   std::vector<Eigen::Vector3d> known;
   for (const View& view : keyframes_)
     eachSurface(view, std::max(1, view.depth.cols / kGlances),
@@ -140,7 +140,7 @@ std::vector<double> SeenThrough::glance(const cv::Mat& depth, std::span<const Po
     now.camera_from_world = place.inverse();
     Missing of;
     for (const Eigen::Vector3d& world : known) of.look(*this, now, world, kGlanceMargin);
-    against.push_back(shareOfAll(depth, place, std::max(kStride, depth.cols / kGlances), kGlanceMargin) +
+    against.push_back(violation(depth, place, std::max(kStride, depth.cols / kGlances), kGlanceMargin) +
                       of.share(kFewKnown));
   }
   return against;

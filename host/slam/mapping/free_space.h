@@ -14,9 +14,9 @@ namespace rosefusion {
 
 /// Remembers the last image, and 77 kB (of 640 x 480 pixels) of every one that shows the scene from
 /// elsewhere. One thread.
-class SeenThrough {
+class KnownFreeSpace {
  public:
-  SeenThrough(const Intrinsics& camera, const DepthSettings& range, double depth_units_per_metre)
+  KnownFreeSpace(const Intrinsics& camera, const DepthSettings& range, double depth_units_per_metre)
       : camera_(camera), range_(range), units_(depth_units_per_metre) {}
 
   /// Keeps a depth image (as Frame::depth) of the static scene and its pose, to compare later ones with.
@@ -26,16 +26,16 @@ class SeenThrough {
   void rebase(std::span<const Pose> frame_poses);
   /// Share of the valid pixels (every 8th is looked at) whose surface lies in space that the last kept image
   /// saw to be empty. 0 before any is kept.
-  double shareOfLast(const cv::Mat& depth, const Pose& world_from_camera) const;
+  double violationOfLast(const cv::Mat& depth, const Pose& world_from_camera) const;
   /// The same for all that was kept.
-  double shareOfAll(const cv::Mat& depth, const Pose& world_from_camera) const;
+  double violation(const cv::Mat& depth, const Pose& world_from_camera) const;
   /// The other way round: of the surfaces in all that was kept and that should now be in view, the share that
   /// the image looks through. Small where the pose is right and the scene unchanged.
-  double shareMissing(const cv::Mat& depth, const Pose& world_from_camera) const;
+  double missingSurface(const cv::Mat& depth, const Pose& world_from_camera) const;
 
   /// Both together, of few pixels, for poses that may be off by some decimetres and degrees: for each of
   /// `places`, world_from_camera, how much speaks against it.
-  std::vector<double> glance(const cv::Mat& depth, std::span<const Pose> places) const;
+  std::vector<double> quickScore(const cv::Mat& depth, std::span<const Pose> places) const;
 
  private:
   struct View {
@@ -51,14 +51,14 @@ class SeenThrough {
   bool seesThrough(const View& view, const Eigen::Vector3d& world, double margin = 1) const;
   template <typename Test>
   double shareWhere(const cv::Mat& depth, const Pose& world_from_camera, int stride, const Test& test) const;
-  double shareOfAll(const cv::Mat& depth, const Pose& world_from_camera, int stride, double margin) const;
+  double violation(const cv::Mat& depth, const Pose& world_from_camera, int stride, double margin) const;
   /// visit(point in the world) for every stride-th remembered pixel.
   template <typename Visit>
   void eachSurface(const View& view, int stride, const Visit& visit) const;
   /// Of surfaces that should be in view, those that the image looks through.
   struct Missing {
     int expected = 0, missing = 0;
-    void look(const SeenThrough& seen, const View& now, const Eigen::Vector3d& world, double margin);
+    void look(const KnownFreeSpace& seen, const View& now, const Eigen::Vector3d& world, double margin);
     double share(int at_least) const { return static_cast<double>(missing) / std::max(expected, at_least); }
   };
 

@@ -99,8 +99,8 @@ std::vector<SurfaceDirection> dominantDirections(std::span<const Eigen::Vector3d
   return found;
 }
 
-std::vector<Eigen::Matrix3d> agreeingRotations(std::span<const SurfaceDirection> view,
-                                               std::span<const SurfaceDirection> model, std::size_t most) {
+std::vector<Eigen::Matrix3d> rotationHypotheses(std::span<const SurfaceDirection> view,
+                                                std::span<const SurfaceDirection> model, std::size_t most) {
   struct Candidate {
     Eigen::Matrix3d rotation;
     double share;

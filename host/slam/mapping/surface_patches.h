@@ -32,7 +32,7 @@ std::vector<SurfaceDirection> dominantDirections(std::span<const Eigen::Vector3d
 /// Rotations from the view's frame to the model's that take two of the view's directions to two of the
 /// model's, at most `most`, the one that explains most of the view first. None where the view has but one
 /// direction.
-std::vector<Eigen::Matrix3d> agreeingRotations(std::span<const SurfaceDirection> view,
-                                               std::span<const SurfaceDirection> model, std::size_t most);
+std::vector<Eigen::Matrix3d> rotationHypotheses(std::span<const SurfaceDirection> view,
+                                                std::span<const SurfaceDirection> model, std::size_t most);
 
 }  // namespace rosefusion

@@ -177,22 +177,22 @@ std::vector<Eigen::Vector3d> shiftsOnto(std::vector<Eigen::Vector3d> axes, std::
 
 }  // namespace
 
-std::vector<AgreeingPose> agreeingPoses(std::span<const SurfacePatch> view,
-                                        std::span<const SurfacePatch> model,
-                                        std::span<const Eigen::Matrix3d> rotations, std::size_t most) {
+std::vector<PoseHypothesis> poseHypotheses(std::span<const SurfacePatch> view,
+                                           std::span<const SurfacePatch> model,
+                                           std::span<const Eigen::Matrix3d> rotations, std::size_t most) {
   if (view.empty() || model.empty()) return {};
   const Patches patches(model);
   const std::vector<SurfaceDirection> directions =
       dominantDirections(normalsOf(view), kAxisShare, kDirections);
   const std::size_t every = std::max<std::size_t>(1, view.size() / kTriedPatches);
-  std::vector<AgreeingPose> candidates;
+  std::vector<PoseHypothesis> candidates;
   for (const Eigen::Matrix3d& turn : rotations) {
     const std::vector<Eigen::Vector3d> axes = axesAmong(directions, turn);
     if (axes.size() < 2) continue;
     std::vector<SurfacePatch> turned;
     for (const SurfacePatch& patch : view) turned.push_back({turn * patch.point, turn * patch.normal});
     for (const Eigen::Vector3d& shift : shiftsOnto(axes, turned, model)) {
-      AgreeingPose candidate;
+      PoseHypothesis candidate;
       candidate.world_from_camera.linear() = turn;
       candidate.world_from_camera.translation() = shift;
       int tried = 0, met = 0;
@@ -203,11 +203,11 @@ std::vector<AgreeingPose> agreeingPoses(std::span<const SurfacePatch> view,
     }
   }
   std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const AgreeingPose& a, const AgreeingPose& b) { return a.met > b.met; });
-  std::vector<AgreeingPose> kept;
-  for (const AgreeingPose& candidate : candidates) {
+                   [](const PoseHypothesis& a, const PoseHypothesis& b) { return a.met > b.met; });
+  std::vector<PoseHypothesis> kept;
+  for (const PoseHypothesis& candidate : candidates) {
     if (kept.size() == most) break;
-    if (std::none_of(kept.begin(), kept.end(), [&](const AgreeingPose& other) {
+    if (std::none_of(kept.begin(), kept.end(), [&](const PoseHypothesis& other) {
           return areNear(other.world_from_camera, candidate.world_from_camera, kOnePlaceShift, kOnePlaceTurn);
         }))
       kept.push_back(candidate);

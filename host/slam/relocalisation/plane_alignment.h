@@ -9,7 +9,7 @@
 
 namespace rosefusion {
 
-struct AgreeingPose {
+struct PoseHypothesis {
   Pose world_from_camera = Pose::Identity();
   double met = 0;  ///< share of the view's patches that lie on the model's
 };
@@ -21,8 +21,8 @@ struct AgreeingPose {
 /// Along each of up to three directions that surfaces of the view face, the offsets of its patches are
 /// correlated with those of the model's; combinations of the best shifts are tried on the patches
 /// themselves. Where the view has only two such directions, the third is tried all along the model.
-std::vector<AgreeingPose> agreeingPoses(std::span<const SurfacePatch> view,
-                                        std::span<const SurfacePatch> model,
-                                        std::span<const Eigen::Matrix3d> rotations, std::size_t most);
+std::vector<PoseHypothesis> poseHypotheses(std::span<const SurfacePatch> view,
+                                           std::span<const SurfacePatch> model,
+                                           std::span<const Eigen::Matrix3d> rotations, std::size_t most);
 
 }  // namespace rosefusion

@@ -7,7 +7,8 @@ namespace {
 
 constexpr double kScanShift = 0.5, kScanTurn = 0.25;
 // Searched by swarm, of the centres that are not followed; one where further poses are given, since a search
-// costs as much as all of those together (tests/bench/NOTES.md).
+// costs as much as all of those together
+// (tests/bench/notes/relocalisation.md#a-lost-camera-placed-by-planes).
 constexpr std::size_t kScanKept = 3, kScanKeptBesides = 1;
 constexpr int kFromAfar = 2;                         // times as far apart are the pixels looked at
 constexpr double kSameShift = 0.1, kSameTurn = 0.1;  // of two descents to one pose
@@ -42,7 +43,7 @@ std::vector<PoseFit> distinct(std::vector<PoseFit> fits) {
 }
 
 /// Makes the distinct fits the candidates, and the best of them the result.
-void conclude(std::vector<PoseFit> fits, Refiner& refiner, TrackResult& result) {
+void conclude(std::vector<PoseFit> fits, PoseRefiner& refiner, TrackResult& result) {
   result.candidates = distinct(std::move(fits));
   result.fit = result.candidates.front();
   result.world_from_camera = result.fit->world_from_camera;
@@ -51,9 +52,9 @@ void conclude(std::vector<PoseFit> fits, Refiner& refiner, TrackResult& result) 
 
 }  // namespace
 
-TrackResult locate(SwarmSearch& search, Refiner& refiner, const RefineSettings& settings,
-                   const PreprocessPass& frame, const Volume& volume, std::span<const Pose> centres,
-                   std::size_t followed, const SearchObserver& observer, std::span<const Pose> more) {
+TrackResult searchAround(SwarmSearch& search, PoseRefiner& refiner, const RefineSettings& settings,
+                         const PreprocessPass& frame, const Volume& volume, std::span<const Pose> centres,
+                         std::size_t followed, const SearchObserver& observer, std::span<const Pose> more) {
   TrackResult result;
   std::vector<PoseFit> fits;
   std::vector<ScannedPose> scanned = search.scan(frame, volume, centres, kScanShift, kScanTurn);
@@ -62,7 +63,7 @@ TrackResult locate(SwarmSearch& search, Refiner& refiner, const RefineSettings& 
   keepBest(others, more.empty() ? kScanKept : kScanKeptBesides);
   scanned.resize(followed);
   scanned.insert(scanned.end(), others.begin(), others.end());
-  refiner.look(frame, settings.coarse_pixel_stride);
+  refiner.selectPixels(frame, settings.coarse_pixel_stride);
   for (const Pose& start : posesOf(scanned)) {
     const SwarmResult found = search.search(frame, volume, start, start, observer);
     result.iterations += found.iterations;
@@ -79,7 +80,8 @@ TrackResult locate(SwarmSearch& search, Refiner& refiner, const RefineSettings& 
   return result;
 }
 
-void lookBeside(Refiner& refiner, const RefineSettings& settings, const Volume& volume, TrackResult& found) {
+void searchAlongNormals(PoseRefiner& refiner, const RefineSettings& settings, const Volume& volume,
+                        TrackResult& found) {
   for (int round = 0; round < kRounds; ++round) {
     const Pose best = found.candidates.front().world_from_camera;
     std::vector<PoseFit> fits = found.candidates;
@@ -89,7 +91,7 @@ void lookBeside(Refiner& refiner, const RefineSettings& settings, const Volume& 
       for (int axis = 0; axis < 3; ++axis)
         for (const double aside : kAsides) {
           beside.push_back(place.world_from_camera);
-          beside.back().translation() += aside * place.facing.col(axis);
+          beside.back().translation() += aside * place.normals.col(axis);
         }
       for (const PoseFit& fit :
            refiner.refine(volume, beside, settings.coarse_iterations, place.world_from_camera))
@@ -100,11 +102,11 @@ void lookBeside(Refiner& refiner, const RefineSettings& settings, const Volume& 
   }
 }
 
-std::vector<Pose> narrowDown(Refiner& refiner, const RefineSettings& settings, const PreprocessPass& frame,
-                             const Volume& overview, std::vector<Pose> places) {
-  refiner.look(frame, kFromAfar * settings.coarse_pixel_stride);
+std::vector<Pose> alignCoarsely(PoseRefiner& refiner, const RefineSettings& settings,
+                                const PreprocessPass& frame, const Volume& coarse, std::vector<Pose> places) {
+  refiner.selectPixels(frame, kFromAfar * settings.coarse_pixel_stride);
   for (Pose& place : places)
-    place = refiner.refine(overview, std::vector<Pose>{place}, settings.coarse_iterations, place)[0]
+    place = refiner.refine(coarse, std::vector<Pose>{place}, settings.coarse_iterations, place)[0]
                 .world_from_camera;
   return places;
 }

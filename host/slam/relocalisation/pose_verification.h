@@ -1,5 +1,5 @@
-// Whether a pose found for a lost camera, or after a sudden change, is believed: what one image must show for
-// it, and how many images must agree before it is told and fused.
+// Whether a pose found for a lost camera, or after a jump, is accepted: what one image must show for it, and
+// how many consistent images it takes before it is reported and integrated.
 #pragma once
 #include <optional>
 
@@ -8,70 +8,70 @@
 
 namespace rosefusion {
 
-/// Of tracking.relocalised_share: what a frame must know of its view where the frame before speaks for its
-/// pose.
+/// Fraction of tracking.relocalised_share that suffices once the previous frame supports the pose.
 inline constexpr double kShareOfNext = 0.5;
 /// Whether what intruded is gone, of tracking.intruding_share.
 inline constexpr double kIntrudingWhenFound = 0.5;
 
-struct Believed {
+struct VerifiedPose {
   PoseFit fit;
-  bool firm = false;  ///< contradicts next to nothing that was seen before
+  bool high_confidence = false;  ///< contradicts next to nothing that was seen before
 };
 
-/// What a place must show to be believed where nothing else speaks for it.
-struct AskedOfPlace {
-  double close;  ///< of what reads a distance, the share at least that must lie close to a surface
-  /// Of the image, the share at most that may lie in space seen to be empty, where next to all of the image
-  /// is known.
-  double through;
+/// What a pose must show where nothing else supports it.
+struct AcceptanceThresholds {
+  double inlier_ratio;  ///< of the pixels that read a distance, at least
+  /// Share of the pixels in known free space, at most, where next to all of the view is known.
+  double free_space;
 };
 
-/// How well the frames that are fused fit: how a camera and a scene do is not known beforehand.
-class UsualFit {
+/// Inlier ratio of the frames that were fused: how a camera and a scene do is not known beforehand.
+class InlierStatistics {
  public:
   /// Of a frame that was fused.
   void add(const PoseFit& fit);
-  /// While a camera is searched for, about what is usual; of one that is followed, which may see what is new,
-  /// less.
-  AskedOfPlace asked(bool searching, double intruding_share) const;
+  /// Close to the running statistics when relocalising; the fixed minimum when tracking, where new surfaces
+  /// lower the ratio.
+  AcceptanceThresholds thresholds(bool relocalising, double intruding_share) const;
 
  private:
   int frames_ = 0;
-  double mean_ = 0, variance_ = 0;  ///< of the share that is close, the last fifty frames counting most
+  double mean_ = 0, variance_ = 0;  ///< of the inlier ratio, the last fifty frames counting most
 };
 
-/// Of the poses found, least cost first, the one that everything seen speaks for: the image (as Frame::depth)
-/// shows what should be there and nothing where there was nothing. None where two places would do. `unsure`:
-/// nothing else speaks for it; then its surfaces must be as close as is `asked`.
-std::optional<Believed> believe(const Settings& settings, const SeenThrough& seen, const cv::Mat& depth,
-                                const TrackResult& found, bool unsure, const AskedOfPlace& asked);
+/// Of the poses found, least cost first, the one that everything seen supports: the image (as Frame::depth)
+/// shows the surfaces that should be there and none in known free space. None where two distinct poses would
+/// do. `unsure`: nothing else supports it; then it must meet `thresholds`.
+std::optional<VerifiedPose> verifyPose(const Settings& settings, const KnownFreeSpace& free_space,
+                                       const cv::Mat& depth, const TrackResult& found, bool unsure,
+                                       const AcceptanceThresholds& thresholds);
 
-/// At times an image fits a wrong place, but the next hardly does: once lost or in doubt, three frames must
-/// agree before one is fused, which is firm if one of the others was. Once lost, two before one is told, of
-/// which one is firm and shows mostly what is known, else three. While none shows mostly what is known ten
-/// must agree, and nothing is fused: a hand where nothing was seen before contradicts nothing.
-class Confirmation {
+/// One image may match a wrong place, consecutive ones rarely do. After a loss a pose is reported from the
+/// 2nd consistent frame (3rd if none has high confidence) and integrated from the 3rd. After a jump it is
+/// reported at once and integrated from the 3rd. With little map overlap it is reported from the 10th and
+/// never integrated: an unknown occluder would match anything.
+class TemporalVerification {
  public:
   enum class Standing {
-    Refused,
-    Supposed,  ///< not to be told
-    Agreeing,  ///< not to be fused
+    Rejected,
+    Tentative,   ///< not to be reported
+    Consistent,  ///< not to be integrated
     Confirmed
   };
 
-  /// Whether the frames before await more that agree with them.
-  bool isAwaited() const { return agreed_ > 0; }
-  /// Whether a frame of those that agree showed tracking.relocalised_share of what is known.
-  bool knows() const { return knows_; }
-  /// After a frame that was unsure, or while isAwaited(). `believed`: what believe() says of it. `lost`: that
-  /// the frame before it had no pose.
-  Standing next(const std::optional<Believed>& believed, double relocalised_share, bool unsure, bool lost);
-  void end() { agreed_ = 0; }
+  /// Whether the frames so far await more that are consistent with them.
+  bool isPending() const { return consistent_ > 0; }
+  /// Whether one of the consistent frames showed tracking.relocalised_share of what is known.
+  bool hasOverlap() const { return overlap_; }
+  /// After a frame that was unsure, or while isPending(). `verified`: what verifyPose() says of it. `lost`:
+  /// that the frame before it had no pose.
+  Standing next(const std::optional<VerifiedPose>& verified, double relocalised_share, bool unsure,
+                bool lost);
+  void end() { consistent_ = 0; }
 
  private:
-  int agreed_ = 0;                                            ///< frames in turn, since one that was unsure
-  bool firm_ = false, knows_ = false, knows_firmly_ = false;  ///< one of them
+  int consistent_ = 0;  ///< frames in turn, since one that was unsure
+  bool high_confidence_ = false, overlap_ = false, confident_overlap_ = false;  ///< one of them
   bool was_lost_ = false;
 };
 

@@ -18,20 +18,21 @@ constexpr double kShareOfView = 0.04, kShareOfModel = 0.008;
 constexpr std::size_t kAligned = 1000, kAlignedKept = 48;  // poses, before and after a quick score
 constexpr double kAgainstCounts = 4;  // what speaks against a place, to the patches that meet the model
 
-std::vector<AgreeingPose> alignPlanes(const Overview& coarse, const cv::Mat& depth) {
+std::vector<PoseHypothesis> planeHypotheses(const CoarseMap& coarse, const cv::Mat& depth) {
   const std::vector<SurfacePatch> view = coarse.patchesOf(depth);
-  const auto rotations = agreeingRotations(
+  const auto rotations = rotationHypotheses(
       dominantDirections(normalsOf(view), kShareOfView, kDirectionsOfView),
       dominantDirections(normalsOf(coarse.patches()), kShareOfModel, kDirectionsOfModel), kRotations);
-  return agreeingPoses(view, coarse.patches(), rotations, kAligned);
+  return poseHypotheses(view, coarse.patches(), rotations, kAligned);
 }
 
 /// Where the surfaces in the image lie on known ones and not where there was nothing, the likeliest first.
-std::vector<Pose> likelyPoses(const Overview& coarse, const SeenThrough& free_space, const cv::Mat& depth) {
-  const std::vector<AgreeingPose> places = alignPlanes(coarse, depth);
+std::vector<Pose> likelyHypotheses(const CoarseMap& coarse, const KnownFreeSpace& free_space,
+                                   const cv::Mat& depth) {
+  const std::vector<PoseHypothesis> places = planeHypotheses(coarse, depth);
   std::vector<Pose> poses;
-  for (const AgreeingPose& place : places) poses.push_back(place.world_from_camera);
-  const std::vector<double> against = free_space.glance(depth, poses);
+  for (const PoseHypothesis& place : places) poses.push_back(place.world_from_camera);
+  const std::vector<double> against = free_space.quickScore(depth, poses);
   std::vector<std::size_t> order(places.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto likeliness = [&](std::size_t i) { return places[i].met - kAgainstCounts * against[i]; };
@@ -60,18 +61,18 @@ void Relocaliser::rebase(std::span<const Pose> keyframes) {
 }
 
 TrackResult Relocaliser::find(const PreprocessPass& frame, const cv::Mat& depth, const Volume& volume,
-                              const Overview& coarse, const SeenThrough& free_space, double timestamp) {
+                              const CoarseMap& coarse, const KnownFreeSpace& free_space, double timestamp) {
   // Where it is expected is followed, whatever the keyframes' surroundings promise.
   auto [centres, followed] = tracker_.expectedPoses(timestamp);
   for (std::size_t i = 0; i < std::min(kSearchedAtOnce, keyframes_.size()); ++i)
     centres.push_back(keyframes_[searched_++ % keyframes_.size()]);
   SwarmSearch& search = tracker_.swarmSearch();
-  Refiner& refiner = tracker_.refiner();
-  const std::vector<Pose> more =
-      narrowDown(refiner, settings_.refine, frame, coarse.volume(), likelyPoses(coarse, free_space, depth));
-  TrackResult found =
-      locate(search, refiner, settings_.refine, frame, volume, centres, followed, tracker_.observer(), more);
-  lookBeside(refiner, settings_.refine, volume, found);
+  PoseRefiner& refiner = tracker_.refiner();
+  const std::vector<Pose> more = alignCoarsely(refiner, settings_.refine, frame, coarse.volume(),
+                                               likelyHypotheses(coarse, free_space, depth));
+  TrackResult found = searchAround(search, refiner, settings_.refine, frame, volume, centres, followed,
+                                   tracker_.observer(), more);
+  searchAlongNormals(refiner, settings_.refine, volume, found);
   return found;
 }
 

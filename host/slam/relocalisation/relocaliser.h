@@ -21,7 +21,7 @@ class Relocaliser {
   /// Poses of the frame held by `frame`, whose image is `depth` (see Frame::depth); candidates by cost.
   /// Whether one may be believed is for pose_verification.h to say.
   TrackResult find(const PreprocessPass& frame, const cv::Mat& depth, const Volume& volume,
-                   const Overview& coarse, const SeenThrough& free_space, double timestamp);
+                   const CoarseMap& coarse, const KnownFreeSpace& free_space, double timestamp);
 
  private:
   const Settings settings_;

@@ -11,19 +11,20 @@ namespace rosefusion {
 /// How the depth fits the model at a pose. Shares are of the frame's valid pixels on the grid looked at.
 struct PoseFit {
   Pose world_from_camera = Pose::Identity();
-  double cost = 1;        ///< robust, in [0, 1]: 1 where no point finds a surface
-  double usable = 0;      ///< share that reads a distance
-  double close = 0;       ///< share nearer to the surface than refine.huber or twice the depth's noise
-  double constraint = 0;  ///< how firmly depth and, where it was asked, colour hold the least constrained
-                          ///< direction; a plane's own is 1
+  double cost = 1;            ///< robust, in [0, 1]: 1 where no point finds a surface
+  double observed_ratio = 0;  ///< share that reads a distance
+  double inlier_ratio = 0;    ///< share nearer to the surface than refine.huber or twice the depth's noise
+  double observability = 0;   ///< how well depth and, where it was asked, colour hold the direction they hold
+                              ///< least (smallest eigenvalue); a plane's own is 1
   /// Columns, in the world and of length 1: where most of the surfaces in view face, across each other.
-  Eigen::Matrix3d facing = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d normals = Eigen::Matrix3d::Identity();
   double colour_cost = 0;  ///< the same of the luminance, in units of `cost`; 0 where colour was not asked
 
-  /// Whether a pose may be believed by this alone: at least `share` of the pixels reads a distance, three
-  /// quarters of those are close, and every direction is held by `least_constraint`.
+  /// Whether a pose is accepted by this alone: at least `share` of the pixels reads a distance, three
+  /// quarters of those are inliers, and every direction is held by `least_constraint`.
   bool holds(double share, double least_constraint) const {
-    return usable >= share && close >= 0.75 * usable && constraint >= least_constraint;
+    return observed_ratio >= share && inlier_ratio >= 0.75 * observed_ratio &&
+           observability >= least_constraint;
   }
 };
 
@@ -31,9 +32,9 @@ struct TrackResult {
   Pose world_from_camera = Pose::Identity();
   int iterations = 0;
   std::uint64_t lookups = 0;        ///< TSDF voxels read; of icp the pixels paired
-  std::optional<PoseFit> fit;       ///< where the descent ended; empty without it
+  std::optional<PoseFit> fit;       ///< where the refinement ended; empty without it
   std::vector<PoseFit> candidates;  ///< of a search of the whole model: distinct poses, least cost first
-  bool doubtful = false;            ///< fits far worse than the frames before it, or came long after them
+  bool jump = false;                ///< fits far worse than the frames before it, or came long after them
 };
 
 }  // namespace rosefusion

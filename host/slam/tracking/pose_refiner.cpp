@@ -60,7 +60,7 @@ double meanCost(const RefineColourSums& sums) {
 
 /// The quadratic model of the cost around a pose, with what depth and colour leave open held by the expected
 /// pose.
-struct Refiner::LocalModel {
+struct PoseRefiner::LocalModel {
   Matrix6 hessian;
   Vector6 gradient;
   Matrix6 hold = Matrix6::Zero();  ///< weight of the expected pose, per direction
@@ -102,7 +102,7 @@ struct Refiner::LocalModel {
 };
 
 /// One start's descent.
-struct Refiner::Descent {
+struct PoseRefiner::Descent {
   Place place;
   Evaluation at;
   LocalModel model;
@@ -120,7 +120,7 @@ Pose moved(const Pose& pose, const Vector6& step) {
   return out;
 }
 
-Refiner::Refiner(Device& device, const Settings& settings, const Intrinsics& intrinsics)
+PoseRefiner::PoseRefiner(Device& device, const Settings& settings, const Intrinsics& intrinsics)
     : settings_(settings.refine),
       weights_{static_cast<float>(settings.refine.huber), toShader(settings.depth),
                static_cast<float>(settings.refine.model_noise), settings.refine.front_only},
@@ -133,7 +133,7 @@ Refiner::Refiner(Device& device, const Settings& settings, const Intrinsics& int
       refine_(device),
       refine_colour_(device) {}
 
-void Refiner::look(const PreprocessPass& frame, int stride, const std::optional<Pose>& last) {
+void PoseRefiner::selectPixels(const PreprocessPass& frame, int stride, const std::optional<Pose>& last) {
   last_ = last;
   coloured_ = last && colour_weight_ > 0 && frame.hasColour() ? &frame : nullptr;
   asks_colour_ = false;
@@ -141,11 +141,12 @@ void Refiner::look(const PreprocessPass& frame, int stride, const std::optional<
   recorder_.submit();
 }
 
-std::uint64_t Refiner::takePointsRead() {
+std::uint64_t PoseRefiner::takePointsRead() {
   return std::exchange(points_read_, 0);
 }
 
-std::vector<Refiner::Evaluation> Refiner::evaluate(const Volume& volume, std::span<const Place> places) {
+std::vector<PoseRefiner::Evaluation> PoseRefiner::evaluate(const Volume& volume,
+                                                           std::span<const Place> places) {
   std::vector<shader::RefineCandidate> candidates;
   std::vector<shader::RefineColourCandidate> coloured;
   for (const auto& [pose, gain] : places) {
@@ -169,11 +170,11 @@ std::vector<Refiner::Evaluation> Refiner::evaluate(const Volume& volume, std::sp
   return out;
 }
 
-PoseFit Refiner::fitOf(const Descent& d) const {
+PoseFit PoseRefiner::fitOf(const Descent& d) const {
   PoseFit fit;
   fit.world_from_camera = d.place.pose;
-  fit.constraint = d.model.constraint;
-  fit.facing =
+  fit.observability = d.model.constraint;
+  fit.normals =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(d.model.hessian.topLeftCorner<3, 3>()).eigenvectors();
   const RefineSums& sums = d.at.depth;
   if (sums[shader::kRefineMostCost] > 0) {
@@ -183,14 +184,14 @@ PoseFit Refiner::fitOf(const Descent& d) const {
                         sums[shader::kRefineMostCost];
   }
   if (const double points = select_.selected(); points > 0) {
-    fit.usable = sums[shader::kRefineUsable] / points;
-    fit.close = sums[shader::kRefineClose] / points;
+    fit.observed_ratio = sums[shader::kRefineUsable] / points;
+    fit.inlier_ratio = sums[shader::kRefineClose] / points;
   }
   return fit;
 }
 
-std::vector<PoseFit> Refiner::refine(const Volume& volume, std::span<const Pose> starts, int iterations,
-                                     const Pose& expected) {
+std::vector<PoseFit> PoseRefiner::refine(const Volume& volume, std::span<const Pose> starts, int iterations,
+                                         const Pose& expected) {
   const auto modelOf = [&](const Evaluation& at) {
     return LocalModel(at, colour_weight_, settings_.least_constraint);
   };

@@ -15,7 +15,8 @@ namespace rosefusion {
 
 inline constexpr int kVoxelsPerPoint = 27;  ///< that the descent reads
 /// Up to so many times refine.least_constraint errors of the model can still carry a pose along, and a wrong
-/// place seems to hold it (tests/bench/NOTES.md).
+/// place seems to hold it
+/// (tests/bench/notes/relocalisation.md#found-where-its-motion-leads-and-slides-that-show).
 inline constexpr double kWeakConstraint = 4;
 /// And up to so many, colour still holds a pose better than depth alone. Beyond, colour that was taken at
 /// another moment than its depth costs more than it brings.
@@ -25,18 +26,18 @@ inline constexpr double kAsksColour = 12;
 /// three, a rotation vector applied from the left.
 Pose moved(const Pose& pose, const Eigen::Matrix<double, 6, 1>& step);
 
-class Refiner {
+class PoseRefiner {
  public:
-  Refiner(Device& device, const Settings& settings, const Intrinsics& intrinsics);
+  PoseRefiner(Device& device, const Settings& settings, const Intrinsics& intrinsics);
 
   /// Which pixels the next calls look at: every stride-th of the frame, which must outlive them. `last`: the
   /// last frame's pose; what its image did not hold may be missing in the model. Without it, whatever is
   /// missing counts against a pose, and colour is not asked.
-  void look(const PreprocessPass& frame, int stride, const std::optional<Pose>& last = {});
+  void selectPixels(const PreprocessPass& frame, int stride, const std::optional<Pose>& last = {});
   /// Descends from each start; the results keep the starts' order. `expected`: the pose that the motion model
   /// speaks for; it decides in directions that neither depth nor, with refine.colour_weight, colour
   /// constrains (refine.least_constraint). Once depth holds no start of a call firmly (kAsksColour), colour
-  /// is asked until the next look().
+  /// is asked until the next selectPixels().
   std::vector<PoseFit> refine(const Volume& volume, std::span<const Pose> starts, int iterations,
                               const Pose& expected);
   /// Points read since the last call of this, over all poses.

@@ -1,6 +1,6 @@
-// Finds a frame's pose. By the product's own method starts from a motion model, the swarm and a descent onto
-// the surface compete, and a frame that fits worse than its predecessors is searched for again, more widely.
-// The other methods of tracking.method take its place: replaceBy().
+// Finds a frame's pose. By the product's own method starts from a motion model, the swarm and the refinement
+// onto the surface compete, and a frame that fits worse than its predecessors is searched for again, more
+// widely. The other methods of tracking.method take its place: replaceBy().
 #pragma once
 #include <deque>
 
@@ -20,10 +20,10 @@ class Tracker {
   void replaceBy(std::unique_ptr<PoseMethod> method) { other_method_ = std::move(method); }
   bool isReplaced() const { return other_method_ != nullptr; }
 
-  /// Tells how the camera moved since the frame before, where another sensor knows. Called once for every
-  /// frame: motions add up over frames that were lost, until accept(); one that is unknown ends their sum.
-  void move(const std::optional<CameraMotion>& motion);
-  /// Pose of the frame held by `frame`. Call accept() where it is believed.
+  /// Odometry since the frame before, where another sensor has it. Called once for every frame: motions are
+  /// composed across lost frames until accept(); a frame without one discards their sum.
+  void addOdometry(const std::optional<CameraMotion>& motion);
+  /// Pose of the frame held by `frame`. Call accept() where it is verified.
   TrackResult track(const PreprocessPass& frame, const Volume& volume, double timestamp);
   /// Where a lost camera may be, for all that is known of its motion: of `poses` the first `followed` are
   /// worth a closer look than others.
@@ -34,12 +34,12 @@ class Tracker {
   Expected expectedPoses(double timestamp) const;
   /// Tells that the frame at `timestamp` has this pose.
   void accept(const Pose& world_from_camera, double timestamp);
-  /// The same for a pose that the next frames must confirm: they are tracked from it, and lose() before
-  /// accept() takes all that was supposed back.
-  void suppose(const Pose& world_from_camera, double timestamp);
+  /// The same for a pose that the next frames must confirm: they are tracked from it, and setLost() before
+  /// accept() restores the state before it.
+  void setTentative(const Pose& world_from_camera, double timestamp);
   /// Tells that no pose was found: from now on the camera is to be relocalised.
-  void lose();
-  bool isLost() const { return course_.lost; }
+  void setLost();
+  bool isLost() const { return state_.lost; }
   /// From now on told of every iteration of the searches with particles.
   void observe(SearchObserver observer) { observer_ = std::move(observer); }
   const SearchObserver& observer() const { return observer_; }
@@ -47,43 +47,43 @@ class Tracker {
   void rebase(const Pose& world_from_last);
   /// What poses are searched with, for others on the same frame.
   SwarmSearch& swarmSearch() { return search_; }
-  Refiner& refiner() { return refiner_; }
+  PoseRefiner& refiner() { return refiner_; }
   const TemplateSet& templates() const { return search_.templates(); }
-  /// Fit of the frame at a pose, over the overlap with the last accepted or supposed frame; every 8th pixel.
+  /// Fit of the frame at a pose, over the overlap with the last accepted or tentative frame; every 8th pixel.
   PoseScore score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera) {
-    return search_.score(frame, volume, world_from_camera, course_.last);
+    return search_.score(frame, volume, world_from_camera, state_.last);
   }
   /// The last accepted pose; the identity before any.
-  const Pose& last() const { return (accepted_ ? *accepted_ : course_).last; }
+  const Pose& last() const { return (before_tentative_ ? *before_tentative_ : state_).last; }
 
  private:
   /// What the frames so far tell about the next.
-  struct Course {
+  struct TrackState {
     MotionModel motion;
-    std::optional<CameraMotion> told;  ///< since `last`; see move()
-    std::deque<double> costs;          ///< of the last frames
-    std::optional<double> usable;      ///< share of the last frame that the model knew; none after a loss
+    std::optional<CameraMotion> odometry;  ///< since `last`; see addOdometry()
+    std::deque<double> costs;              ///< of the last frames
+    std::optional<double> observed_ratio;  ///< of the last frame; none after a loss
     Pose last = Pose::Identity();
     bool lost = false;
 
-    void move(const std::optional<CameraMotion>& by);
-    void goOn(const Pose& world_from_camera, double timestamp);
+    void addOdometry(const std::optional<CameraMotion>& by);
+    void advance(const Pose& world_from_camera, double timestamp);
     void rebase(const Pose& new_from_old_world);
   };
 
   void search(const PreprocessPass& frame, const Volume& volume, const Pose& start, TrackResult& result);
   /// Median cost of the last frames; none at the start and after a loss.
-  std::optional<double> usualCost() const;
-  /// `otherwise`, with as much of it replaced as the motion told since the last accepted frame knows better.
-  Pose asTold(const Pose& otherwise) const;
+  std::optional<double> medianCost() const;
+  /// `otherwise`, with as much of it replaced as the odometry since the last accepted frame knows.
+  Pose withOdometry(const Pose& otherwise) const;
 
   const Settings settings_;
   SwarmSearch search_;
-  Refiner refiner_;
+  PoseRefiner refiner_;
   std::unique_ptr<PoseMethod> other_method_;  ///< none: the product's own
   SearchObserver observer_;
-  Course course_;
-  std::optional<Course> accepted_;  ///< as it was before the poses supposed now; none where none are
+  TrackState state_;
+  std::optional<TrackState> before_tentative_;  ///< to restore if the tentative poses are rejected
 };
 
 }  // namespace rosefusion

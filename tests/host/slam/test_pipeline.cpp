@@ -28,7 +28,7 @@ TEST_F(PipelineTest, AfterAFrameWithoutDepthItIsFoundAgainAndFusedOnlyOnceFrames
   const auto before = pipeline.volume().download();
   const FrameResult found = run(4), agreeing = run(5);  // where it has been
   EXPECT_EQ(found.status, TrackingStatus::Lost) << "one image is not enough to tell a pose";
-  EXPECT_THAT(found.reason, ::testing::HasSubstr("found again, it seems"));
+  EXPECT_THAT(found.reason, ::testing::HasSubstr("relocalised tentatively"));
   EXPECT_EQ(agreeing.status, TrackingStatus::Relocalised) << agreeing.reason;
   EXPECT_LT(errorAt(5, agreeing.world_from_camera, sequence), 0.03);
   EXPECT_EQ(pipeline.volume().download().weight, before.weight) << "nothing is fused before frames agree";
@@ -46,7 +46,7 @@ TEST_F(PipelineTest, APlaceThatTheNextFrameDoesNotConfirmIsForgotten) {
   Frame empty = sequence.frames[12];
   empty.depth = cv::Mat(empty.depth.size(), CV_16UC1, cv::Scalar(0));
   run(empty);
-  ASSERT_THAT(run(sequence.frames[4]).reason, ::testing::HasSubstr("found again, it seems"));
+  ASSERT_THAT(run(sequence.frames[4]).reason, ::testing::HasSubstr("relocalised tentatively"));
   const FrameResult strange = run(other.frames[0]);
   EXPECT_EQ(strange.status, TrackingStatus::Lost) << strange.reason;
   EXPECT_EQ(strange.world_from_camera.matrix(), last.world_from_camera.matrix());
@@ -99,7 +99,7 @@ TEST_F(PipelineTest, ACameraThatWasCarriedAcrossTheRoomIsFoundByWhatItKnowsOfThe
     const FrameResult result = pipeline.processFrame(sequence.frames[i]);
     EXPECT_EQ(result.status, i < kTold ? TrackingStatus::Lost : TrackingStatus::Relocalised) << result.reason;
     ASSERT_TRUE(result.fit);
-    EXPECT_LT(result.fit->usable, 0.5);
+    EXPECT_LT(result.fit->observed_ratio, 0.5);
     EXPECT_LT(errorAt(i, result.fit->world_from_camera, sequence), 0.02) << "frame " << i;
     EXPECT_FALSE(result.fused);
   }
@@ -255,7 +255,7 @@ TEST_F(PipelineTest, AViewThatIsSuddenlyUnknownMustBeConfirmed) {
     ASSERT_TRUE(result.fit);
     EXPECT_LT((result.world_from_camera.translation()).norm(), 0.02);
     EXPECT_EQ(result.status, turn < 0.5 ? TrackingStatus::Tracked : TrackingStatus::Relocalised)
-        << result.fit->usable << " " << result.reason;
+        << result.fit->observed_ratio << " " << result.reason;
   }
 }
 

@@ -24,8 +24,8 @@ bool same(const cv::Mat& a, const cv::Mat& b) {
   return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0;
 }
 
-TEST(KeyframeStore, GivesBackWhatItWasGiven) {
-  KeyframeStore store(1 << 20);
+TEST(KeyframeImages, GivesBackWhatItWasGiven) {
+  KeyframeImages store(1 << 20);
   for (const bool colour : {false, true}) store.add(noisyFrame(colour, colour), colour);
   for (const bool colour : {false, true}) {
     const Frame back = store.frame(colour);
@@ -37,9 +37,9 @@ TEST(KeyframeStore, GivesBackWhatItWasGiven) {
   EXPECT_LT(store.bytes(), 2 * 48 * 64 * 2 + 48 * 64 * 3 + 1000u) << "noise of 200 steps fits into a byte";
 }
 
-TEST(KeyframeStore, ThinsWhereTheWayIsDensest) {
+TEST(KeyframeImages, ThinsWhereTheWayIsDensest) {
   constexpr std::uint64_t kLimit = 60000;
-  KeyframeStore store(kLimit);
+  KeyframeImages store(kLimit);
   double travelled = 0;
   for (int i = 0; i < 60; ++i) {
     store.add(noisyFrame(i, false), travelled);

@@ -124,14 +124,14 @@ struct Jump {
   std::vector<Pose> believed, corrected;
   LoopFigures figures;
 };
-Jump closeOver(Device& device, int jump, bool firm, double share, double most = 0.3, int slide = 0) {
+Jump closeOver(Device& device, int jump, bool constrained, double share, double most = 0.3, int slide = 0) {
   Settings settings = ringSettings(true);
   settings.loops.share = share;
   TemplateOptions templates;
   templates.sizes = {1024, 512, 256};
   templates.count = 3;
   const auto closer = makeLoopCloser(device, settings, kRingCamera, kRingUnits, generateTemplates(templates));
-  FrameFuser fuser(device, settings, kRingCamera, kRingUnits);
+  FrameIntegrator fuser(device, settings, kRingCamera, kRingUnits);
   Recorder recorder(device);
   const Scene scene = ringHall();
   const Tracer tracer(scene);
@@ -144,7 +144,8 @@ Jump closeOver(Device& device, int jump, bool firm, double share, double most = 
     const Frame frame = ringFrame(tracer, i, 1);
     fuser.recordFrame(recorder, frame);
     recorder.submit();
-    if (closer->add(frame, fuser.frame(), out.believed.back(), true, firm || i != jump)) out.closed_at = i;
+    if (closer->add(frame, fuser.frame(), out.believed.back(), true, constrained || i != jump))
+      out.closed_at = i;
   }
   out.corrected = closer->framePoses();
   out.figures = closer->figures();
@@ -165,10 +166,10 @@ TEST_F(LoopClosing, AJumpOntoTheOldMapBendsTheWayThatLedThere) {
   EXPECT_LT(errorAt(std::size_t(jump - 1), jumping.corrected), 0.05);
   EXPECT_LT(meanError(jumping.corrected, 0), 0.4 * meanError(jumping.believed, 0));
 
-  const Jump firm = closeOver(device(), jump, true, kShare);
-  EXPECT_FALSE(firm.closed_at) << "a step that the depth held is no jump";
-  EXPECT_EQ(firm.figures.contradictions, 1u);
-  EXPECT_LT((firm.corrected[50].translation() - firm.believed[50].translation()).norm(), 1e-9);
+  const Jump constrained = closeOver(device(), jump, true, kShare);
+  EXPECT_FALSE(constrained.closed_at) << "a step that the depth held is no jump";
+  EXPECT_EQ(constrained.figures.contradictions, 1u);
+  EXPECT_LT((constrained.corrected[50].translation() - constrained.believed[50].translation()).norm(), 1e-9);
 }
 
 // It leaves it bit by bit, before any keyframe recognises the place: all comparisons find the camera where it

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace rosefusion::testing {
-namespace test_seen_through {
+namespace test_free_space {
 
 const Intrinsics kCamera{320, 240, 250, 250, 159.5, 119.5};
 constexpr double kUnits = 1000;
@@ -25,63 +25,64 @@ Pose at(double x, double y, double z) {
 
 class SeenThroughTest : public ::testing::Test {
  protected:
-  SeenThrough seen_{kCamera, DepthSettings{}, kUnits};
+  KnownFreeSpace seen_{kCamera, DepthSettings{}, kUnits};
 };
 
 TEST_F(SeenThroughTest, NothingIsKnownAtFirst) {
-  EXPECT_EQ(seen_.shareOfLast(wall(), at(0, 0, 0)), 0);
-  EXPECT_EQ(seen_.shareOfAll(wall(), at(0, 0, 0)), 0);
+  EXPECT_EQ(seen_.violationOfLast(wall(), at(0, 0, 0)), 0);
+  EXPECT_EQ(seen_.violation(wall(), at(0, 0, 0)), 0);
 }
 
 TEST_F(SeenThroughTest, TheStaticSceneFromAnywhereIsNot) {
   seen_.keep(wall(), at(0, 0, 0), 0);
-  EXPECT_EQ(seen_.shareOfLast(wall(), at(0, 0, 0)), 0);
-  EXPECT_EQ(seen_.shareOfLast(wall(), at(0.3, -0.2, 0)), 0);
-  EXPECT_EQ(seen_.shareOfLast(wall(kWall_mm - 500), at(0, 0, 0.5)), 0) << "it came nearer";
-  EXPECT_EQ(seen_.shareOfLast(wall(kWall_mm + 80), at(0, 0, 0)), 0) << "noise";
-  EXPECT_EQ(seen_.shareOfLast(wall(kWall_mm + 900), at(0, 0, 0)), 0) << "behind what was seen all is unknown";
+  EXPECT_EQ(seen_.violationOfLast(wall(), at(0, 0, 0)), 0);
+  EXPECT_EQ(seen_.violationOfLast(wall(), at(0.3, -0.2, 0)), 0);
+  EXPECT_EQ(seen_.violationOfLast(wall(kWall_mm - 500), at(0, 0, 0.5)), 0) << "it came nearer";
+  EXPECT_EQ(seen_.violationOfLast(wall(kWall_mm + 80), at(0, 0, 0)), 0) << "noise";
+  EXPECT_EQ(seen_.violationOfLast(wall(kWall_mm + 900), at(0, 0, 0)), 0)
+      << "behind what was seen all is unknown";
 }
 
 TEST_F(SeenThroughTest, SomethingBeforeTheCameraIs) {
   seen_.keep(wall(), at(0, 0, 0), 0);
   // But for the border, about which the kept image says nothing.
-  EXPECT_NEAR(seen_.shareOfLast(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
-  EXPECT_NEAR(seen_.shareOfAll(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
-  EXPECT_GT(seen_.shareOfLast(withHand(wall(kWall_mm - 100)), at(0, 0, 0.1)), 0.3)
+  EXPECT_NEAR(seen_.violationOfLast(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
+  EXPECT_NEAR(seen_.violation(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
+  EXPECT_GT(seen_.violationOfLast(withHand(wall(kWall_mm - 100)), at(0, 0, 0.1)), 0.3)
       << "it moves with the camera";
-  EXPECT_EQ(seen_.shareOfLast(withHand(wall()), at(20, 0, 0)), 0) << "where the kept image did not look";
+  EXPECT_EQ(seen_.violationOfLast(withHand(wall()), at(20, 0, 0)), 0) << "where the kept image did not look";
 }
 
 TEST_F(SeenThroughTest, APoseThatIsWrongIs) {
   seen_.keep(wall(), at(0, 0, 0), 0);
-  EXPECT_GT(seen_.shareOfLast(wall(), at(0, 0, -0.5)), 0.6);
+  EXPECT_GT(seen_.violationOfLast(wall(), at(0, 0, -0.5)), 0.6);
 }
 
 TEST_F(SeenThroughTest, WhereTheKeptImageIsInvalidNothingIsKnown) {
   cv::Mat blind = wall();
   blind.setTo(0);
   seen_.keep(blind, at(0, 0, 0), 0);
-  EXPECT_EQ(seen_.shareOfLast(withHand(wall()), at(0, 0, 0)), 0);
+  EXPECT_EQ(seen_.violationOfLast(withHand(wall()), at(0, 0, 0)), 0);
   seen_.keep(wall(), at(0, 0, 0), 0);
-  EXPECT_EQ(seen_.shareOfLast(blind, at(0, 0, 0)), 0) << "no valid pixel, no share";
+  EXPECT_EQ(seen_.violationOfLast(blind, at(0, 0, 0)), 0) << "no valid pixel, no share";
 }
 
 TEST_F(SeenThroughTest, ASurfaceThatShouldBeInViewIsMissedWhereTheImageLooksThroughIt) {
-  EXPECT_EQ(seen_.shareMissing(wall(), at(0, 0, 0)), 0);
+  EXPECT_EQ(seen_.missingSurface(wall(), at(0, 0, 0)), 0);
   seen_.keep(withHand(wall(), 1500), at(0, 0, 0), 0);
-  EXPECT_EQ(seen_.shareMissing(withHand(wall(), 1500), at(0, 0, 0)), 0);
-  EXPECT_EQ(seen_.shareMissing(withHand(wall(), 1500 + 80), at(0, 0, 0)), 0) << "noise";
-  EXPECT_NEAR(seen_.shareMissing(wall(), at(0, 0, 0)), 0.5, 0.05) << "the near half is not there";
-  EXPECT_EQ(seen_.shareMissing(withHand(wall(), 700), at(0, 0, 0)), 0) << "hidden is not missing";
-  EXPECT_EQ(seen_.shareMissing(wall(), at(20, 0, 0)), 0) << "nothing known should be in view";
-  EXPECT_GT(seen_.shareMissing(wall(), at(0, 0, 0.5)), 0.6) << "the wall should be half a metre nearer";
+  EXPECT_EQ(seen_.missingSurface(withHand(wall(), 1500), at(0, 0, 0)), 0);
+  EXPECT_EQ(seen_.missingSurface(withHand(wall(), 1500 + 80), at(0, 0, 0)), 0) << "noise";
+  EXPECT_NEAR(seen_.missingSurface(wall(), at(0, 0, 0)), 0.5, 0.05) << "the near half is not there";
+  EXPECT_EQ(seen_.missingSurface(withHand(wall(), 700), at(0, 0, 0)), 0) << "hidden is not missing";
+  EXPECT_EQ(seen_.missingSurface(wall(), at(20, 0, 0)), 0) << "nothing known should be in view";
+  EXPECT_GT(seen_.missingSurface(wall(), at(0, 0, 0.5)), 0.6) << "the wall should be half a metre nearer";
 }
 
 TEST_F(SeenThroughTest, EarlierImagesAreRemembered) {
   seen_.keep(wall(), at(0, 0, 0), 0);
   seen_.keep(wall(), at(20, 0, 0), 1);
-  EXPECT_EQ(seen_.shareOfLast(withHand(wall()), at(0, 0, 0)), 0);
-  EXPECT_NEAR(seen_.shareOfAll(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
+  EXPECT_EQ(seen_.violationOfLast(withHand(wall()), at(0, 0, 0)), 0);
+  EXPECT_NEAR(seen_.violation(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
 }
 
 TEST_F(SeenThroughTest, AfterACorrectionImagesAreWhereTheirFramesAre) {
@@ -89,25 +90,25 @@ TEST_F(SeenThroughTest, AfterACorrectionImagesAreWhereTheirFramesAre) {
   seen_.keep(wall(), at(20, 0, 0), 1);
   const std::vector<Pose> corrected{at(5, 0, 0), at(30, 0, 0)};
   seen_.rebase(corrected);
-  EXPECT_EQ(seen_.shareOfAll(withHand(wall()), at(0, 0, 0)), 0);
-  EXPECT_NEAR(seen_.shareOfAll(withHand(wall()), at(5, 0, 0)), 0.5, 0.05);
-  EXPECT_NEAR(seen_.shareOfLast(withHand(wall()), at(30, 0, 0)), 0.5, 0.05);
+  EXPECT_EQ(seen_.violation(withHand(wall()), at(0, 0, 0)), 0);
+  EXPECT_NEAR(seen_.violation(withHand(wall()), at(5, 0, 0)), 0.5, 0.05);
+  EXPECT_NEAR(seen_.violationOfLast(withHand(wall()), at(30, 0, 0)), 0.5, 0.05);
 }
 
 TEST_F(SeenThroughTest, AGlanceForgivesADecimetre) {
   seen_.keep(wall(), at(0, 0, 0), 0);
-  const auto glance = [&](const cv::Mat& depth, const Pose& place) {
-    return seen_.glance(depth, std::vector<Pose>{place}).at(0);
+  const auto quickScore = [&](const cv::Mat& depth, const Pose& place) {
+    return seen_.quickScore(depth, std::vector<Pose>{place}).at(0);
   };
-  EXPECT_EQ(glance(wall(), at(0, 0, -0.3)), 0);
-  EXPECT_GT(seen_.shareOfAll(wall(), at(0, 0, -0.3)), 0.6);
-  EXPECT_GT(glance(wall(), at(0, 0, -0.6)), 0.6) << "the wall seems nearer than it was seen";
-  EXPECT_EQ(glance(wall(), at(0, 0, 0.3)), 0);
-  EXPECT_GT(seen_.shareMissing(wall(), at(0, 0, 0.3)), 0.6);
-  EXPECT_GT(glance(wall(), at(0, 0, 0.6)), 0.6) << "the wall that was seen is not there";
-  EXPECT_NEAR(glance(withHand(wall()), at(0, 0, 0)), 0.5, 0.07);
-  EXPECT_EQ(glance(wall(), at(20, 0, 0)), 0) << "nothing is known there";
+  EXPECT_EQ(quickScore(wall(), at(0, 0, -0.3)), 0);
+  EXPECT_GT(seen_.violation(wall(), at(0, 0, -0.3)), 0.6);
+  EXPECT_GT(quickScore(wall(), at(0, 0, -0.6)), 0.6) << "the wall seems nearer than it was seen";
+  EXPECT_EQ(quickScore(wall(), at(0, 0, 0.3)), 0);
+  EXPECT_GT(seen_.missingSurface(wall(), at(0, 0, 0.3)), 0.6);
+  EXPECT_GT(quickScore(wall(), at(0, 0, 0.6)), 0.6) << "the wall that was seen is not there";
+  EXPECT_NEAR(quickScore(withHand(wall()), at(0, 0, 0)), 0.5, 0.07);
+  EXPECT_EQ(quickScore(wall(), at(20, 0, 0)), 0) << "nothing is known there";
 }
 
-}  // namespace test_seen_through
+}  // namespace test_free_space
 }  // namespace rosefusion::testing

@@ -74,7 +74,7 @@ TEST(SurfaceDirections, TheTurnBetweenTwoViewsIsAmongThoseThatAgree) {
   const Pose first = pose(0.6, -0.4, 0), second = pose(-0.1, -0.7, 0.7);
   ASSERT_GT(angleBetween(first.linear(), second.linear()), 0.7)
       << "more than any search from the pose covers";
-  const auto rotations = agreeingRotations(directionsOf(planes, second), directionsOf(planes, first), 48);
+  const auto rotations = rotationHypotheses(directionsOf(planes, second), directionsOf(planes, first), 48);
   double nearest = M_PI;
   for (const Eigen::Matrix3d& rotation : rotations)
     nearest = std::min(nearest, angleBetween(rotation, first.linear().transpose() * second.linear()));
@@ -87,8 +87,8 @@ TEST(SurfaceDirections, WallsAtAnotherAngleDoNotAgree) {
   square[0].distance = sharp[0].distance = 100;
   ASSERT_EQ(directionsOf(square, camera).size(), 2U);
   ASSERT_EQ(directionsOf(sharp, camera).size(), 2U);
-  EXPECT_FALSE(agreeingRotations(directionsOf(square, camera), directionsOf(square, camera), 48).empty());
-  EXPECT_TRUE(agreeingRotations(directionsOf(sharp, camera), directionsOf(square, camera), 48).empty());
+  EXPECT_FALSE(rotationHypotheses(directionsOf(square, camera), directionsOf(square, camera), 48).empty());
+  EXPECT_TRUE(rotationHypotheses(directionsOf(sharp, camera), directionsOf(square, camera), 48).empty());
 }
 
 TEST(SurfaceDirections, AWallAloneSaysNothing) {
@@ -97,7 +97,7 @@ TEST(SurfaceDirections, AWallAloneSaysNothing) {
   camera.translation() = Eigen::Vector3d(-3, -5, 1.9);
   const auto wall = directionsOf(planes, camera);
   ASSERT_EQ(wall.size(), 1U);
-  EXPECT_TRUE(agreeingRotations(wall, directionsOf(planes, pose(0.5, -0.4, 0)), 48).empty());
+  EXPECT_TRUE(rotationHypotheses(wall, directionsOf(planes, pose(0.5, -0.4, 0)), 48).empty());
 }
 
 TEST(SurfaceDirections, NothingIsFoundWithoutDepth) {

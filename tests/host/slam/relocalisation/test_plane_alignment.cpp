@@ -66,7 +66,7 @@ std::vector<Eigen::Matrix3d> quarters(const Eigen::Matrix3d& rotation) {
   return out;
 }
 
-std::size_t rankOf(const Pose& truth, const std::vector<AgreeingPose>& poses, double within) {
+std::size_t rankOf(const Pose& truth, const std::vector<PoseHypothesis>& poses, double within) {
   for (std::size_t i = 0; i < poses.size(); ++i)
     if (areNear(poses[i].world_from_camera, truth, within, 0.01)) return i;
   return poses.size();
@@ -76,7 +76,7 @@ TEST(AgreeingPlaces, ACornerOfARoomIsFoundAmongTheFirstWithoutAGuess) {
   const auto model = room();
   for (const double yaw : {0.6, 2.2, 3.8, 5.4}) {
     const Pose camera = lookingAlong({2.7, 2.1, 1.4}, yaw, 0.4);
-    const auto poses = agreeingPoses(look(model, camera), model, quarters(camera.linear()), 200);
+    const auto poses = poseHypotheses(look(model, camera), model, quarters(camera.linear()), 200);
     ASSERT_FALSE(poses.empty());
     EXPECT_LT(rankOf(camera, poses, 0.12), 10U) << "yaw " << yaw;
     EXPECT_GT(poses.front().met, 0.9);
@@ -93,7 +93,7 @@ TEST(AgreeingPlaces, HalfOfTheViewMayBeUnknown) {
   const Pose camera = lookingAlong({2.5, 2.9, 1.5}, -0.9, 0.35);
   const auto view = look(all, camera);
   ASSERT_LT(static_cast<double>(look(model, camera).size()), 0.7 * static_cast<double>(view.size()));
-  EXPECT_LT(rankOf(camera, agreeingPoses(view, model, quarters(camera.linear()), 1000), 0.15), 1000U);
+  EXPECT_LT(rankOf(camera, poseHypotheses(view, model, quarters(camera.linear()), 1000), 0.15), 1000U);
 }
 
 TEST(AgreeingPlaces, ADirectionThatTheViewLeavesOpenIsTriedAllAlong) {
@@ -102,9 +102,9 @@ TEST(AgreeingPlaces, ADirectionThatTheViewLeavesOpenIsTriedAllAlong) {
   addRectangle(corridor, {0, 2, 0}, {12, 0, 0}, {0, 0, 2.5});
   const Pose camera = lookingAlong({5, 0.5, 1.2}, M_PI / 2, 0.5);
   const std::vector<Eigen::Matrix3d> rotations{camera.linear()};
-  const auto poses = agreeingPoses(look(corridor, camera), corridor, rotations, 100);
+  const auto poses = poseHypotheses(look(corridor, camera), corridor, rotations, 100);
   double least = 12, most = 0;
-  for (const AgreeingPose& pose : poses) {
+  for (const PoseHypothesis& pose : poses) {
     if (pose.met < 0.9) continue;
     EXPECT_NEAR(pose.world_from_camera.translation().y(), 0.5, 0.1);
     EXPECT_NEAR(pose.world_from_camera.translation().z(), 1.2, 0.1);
@@ -117,11 +117,11 @@ TEST(AgreeingPlaces, ADirectionThatTheViewLeavesOpenIsTriedAllAlong) {
 
 TEST(AgreeingPlaces, NothingSeenOrNothingKnownHasNoPlace) {
   const std::vector<Eigen::Matrix3d> rotations{Eigen::Matrix3d::Identity()};
-  EXPECT_TRUE(agreeingPoses({}, room(), rotations, 10).empty());
-  EXPECT_TRUE(agreeingPoses(room(), {}, rotations, 10).empty());
+  EXPECT_TRUE(poseHypotheses({}, room(), rotations, 10).empty());
+  EXPECT_TRUE(poseHypotheses(room(), {}, rotations, 10).empty());
   std::vector<SurfacePatch> wall;
   addRectangle(wall, {0, 0, 2}, {0, 3, 0}, {3, 0, 0});
-  EXPECT_TRUE(agreeingPoses(wall, room(), rotations, 10).empty()) << "one direction alone";
+  EXPECT_TRUE(poseHypotheses(wall, room(), rotations, 10).empty()) << "one direction alone";
 }
 
 }  // namespace test_agreeing_places

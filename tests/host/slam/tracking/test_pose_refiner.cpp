@@ -7,7 +7,7 @@
 #include "tests/engine/validating_device.h"
 
 namespace rosefusion::testing {
-namespace test_refiner {
+namespace test_pose_refiner {
 
 constexpr VolumeOptions kVolume{.voxel_size = 0.04f, .truncation = 0.12f};
 constexpr int kFrames = 4, kStride = 4, kIterations = 30;
@@ -25,7 +25,7 @@ class RefinerTest : public ValidatingDevice {
     run_->load(kFrames - 1);
     truth_ = sequence.poses[kFrames - 1];
     refiner_.emplace(device(), settings_, sequence.camera);
-    refiner_->look(run_->preprocess, kStride);
+    refiner_->selectPixels(run_->preprocess, kStride);
   }
   /// The truth moved in the world and turned about the camera's centre.
   Pose off(const Eigen::Vector3d& shift, double angle, const Eigen::Vector3d& axis) const {
@@ -42,7 +42,7 @@ class RefinerTest : public ValidatingDevice {
 
   Settings settings_;
   std::optional<SceneRun> run_;
-  std::optional<Refiner> refiner_;
+  std::optional<PoseRefiner> refiner_;
   Pose truth_ = Pose::Identity();
 };
 
@@ -72,10 +72,10 @@ TEST_F(RefinerTest, ComesBackToTheFusedPose) {
     SCOPED_TRACE("start " + std::to_string(i));
     EXPECT_LT(shiftOf(fits[i].world_from_camera), kShiftTolerance);
     EXPECT_LT(turnOf(fits[i].world_from_camera), kTurnTolerance);
-    EXPECT_GT(fits[i].close, 0.8);
-    EXPECT_GT(fits[i].usable, 0.8);
+    EXPECT_GT(fits[i].inlier_ratio, 0.8);
+    EXPECT_GT(fits[i].observed_ratio, 0.8);
     EXPECT_LT(fits[i].cost, 0.2);
-    EXPECT_GT(fits[i].constraint, settings_.refine.least_constraint);
+    EXPECT_GT(fits[i].observability, settings_.refine.least_constraint);
   }
 }
 
@@ -86,7 +86,7 @@ TEST_F(RefinerTest, BesideAWrongPlaceTheRightOneIsFound) {
     TrackResult found;
     found.candidates = refine({off(aside, 0, {1, 0, 0})}, truth_);
     ASSERT_GT(shiftOf(found.candidates.front().world_from_camera), 0.2) << "out of a descent's reach";
-    lookBeside(*refiner_, settings_.refine, run_->volume, found);
+    searchAlongNormals(*refiner_, settings_.refine, run_->volume, found);
     EXPECT_GT(found.candidates.size(), 1u);
     EXPECT_LT(shiftOf(found.world_from_camera), 10 * kShiftTolerance) << "few iterations: near";
   }
@@ -111,11 +111,11 @@ TEST_F(RefinerTest, SeveralStartsKeepTheirOrder) {
     const auto alone = refine({starts[i]}, truth_)[0];
     EXPECT_EQ(together[i].world_from_camera.matrix(), alone.world_from_camera.matrix()) << "start " << i;
     EXPECT_EQ(together[i].cost, alone.cost);
-    EXPECT_EQ(together[i].constraint, alone.constraint);
+    EXPECT_EQ(together[i].observability, alone.observability);
   }
   EXPECT_EQ(together[1].cost, 1);
-  EXPECT_EQ(together[1].usable, 0);
-  EXPECT_EQ(together[1].constraint, 0);
+  EXPECT_EQ(together[1].observed_ratio, 0);
+  EXPECT_EQ(together[1].observability, 0);
   EXPECT_EQ(together[1].world_from_camera.matrix(), starts[1].matrix());
   for (const int i : {0, 2, 3}) EXPECT_LT(shiftOf(together[i].world_from_camera), kShiftTolerance);
 }
@@ -126,8 +126,8 @@ TEST_F(RefinerTest, AlongAPlaneTheExpectedPoseDecides) {
   const Pose expected = off({0.03, -0.02, 0.02}, 0.02, {0, 0, 1});
   const Pose start = off({-0.02, 0.01, -0.02}, 0.02, {1, -1, 0});
   const auto fit = refine({start}, expected)[0];
-  EXPECT_LT(fit.constraint, 0.1 * settings_.refine.least_constraint);
-  EXPECT_GT(fit.close, 0.9);
+  EXPECT_LT(fit.observability, 0.1 * settings_.refine.least_constraint);
+  EXPECT_GT(fit.inlier_ratio, 0.9);
   const Pose& found = fit.world_from_camera;
   EXPECT_NEAR(found.translation().z(), truth_.translation().z(), kShiftTolerance);
   EXPECT_NEAR(found.translation().x(), expected.translation().x(), kShiftTolerance);
@@ -148,5 +148,5 @@ TEST_F(RefinerTest, CountsThePointsItReads) {
   EXPECT_EQ(refiner_->takePointsRead(), 0u);
 }
 
-}  // namespace test_refiner
+}  // namespace test_pose_refiner
 }  // namespace rosefusion::testing
