@@ -35,10 +35,13 @@ foreach(kind static shared)
     target_link_libraries(${library} INTERFACE ${used})
   else()
     target_link_libraries(${library} PRIVATE ${used})
-    # Templates of the standard library are weak symbols that hidden visibility does not reach.
-    target_link_options(${library} PRIVATE -Wl,--as-needed -Wl,--no-undefined
-                        "-Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/library.map")
-    set_target_properties(${library} PROPERTIES LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/library.map)
+    target_compile_definitions(${library} INTERFACE $<$<PLATFORM_ID:Windows>:ROSEFUSION_SHARED>)
+    if(NOT WIN32 AND NOT APPLE)  # the linkers of ELF files
+      # Templates of the standard library are weak symbols that hidden visibility does not reach.
+      target_link_options(${library} PRIVATE -Wl,--as-needed -Wl,--no-undefined
+                          "-Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/library.map")
+      set_target_properties(${library} PROPERTIES LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/library.map)
+    endif()
   endif()
   if(only_by_name AND NOT ROSEFUSION_TESTS)
     set_target_properties(${library} PROPERTIES EXCLUDE_FROM_ALL ON)
