@@ -29,7 +29,7 @@ foreach(kind static shared)
   set_target_properties(${library} PROPERTIES OUTPUT_NAME rosefusion EXPORT_NAME rosefusion LINKER_LANGUAGE CXX
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_compile_features(${library} INTERFACE cxx_std_20)
-  target_include_directories(${library} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+  target_include_directories(${library} INTERFACE "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>"
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/host/public> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>)
   if(kind STREQUAL "static")
     target_link_libraries(${library} INTERFACE ${used})

@@ -16,6 +16,7 @@ endif()
 if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES ccache AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(rosefusion_options INTERFACE -fpch-preprocess)  # lets ccache see through the header
 endif()
+set(ROSEFUSION_UNFUSED $<$<NOT:$<CXX_COMPILER_ID:MSVC>>:-ffp-contract=off>)  # MSVC does not fuse unless told to
 
 # rosefusion_properties(TARGETS...): what every target has that is compiled here. Whoever shares a precompiled header must
 # agree in these. Hidden is all but what host/public marks.
