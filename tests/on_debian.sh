@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # What a new user of a Debian release sees: tests/on_debian.sh bookworm|trixie|testing [quickstart|tests|packages [OPTIONS...]]
 # Unpacks a fresh root folder of that release, clones HEAD into it, and runs there apps/quickstart.sh (the default),
-# tests/run.sh --install OPTIONS..., or tests/packages/run.sh. Ends with the time of each step and the versions found.
+# tests/run.sh --install OPTIONS..., or tests/packages/build.sh and then, in a second fresh root folder, tests/packages/try.sh
+# with the packages made. Ends with the time of each step and the versions found.
 # Base systems and packages are kept in build/debian (or $ROSEFUSION_DEBIAN_ROOTS), from the mirror apt is set up with.
 set -euo pipefail
 
@@ -16,7 +17,7 @@ case "$release" in bookworm | trixie | testing) ;; *) fail "there is no release 
 case "$what" in
   quickstart) command=(bash apps/quickstart.sh) ;;
   tests) command=(bash tests/run.sh --install "${@:3}") ;;
-  packages) command=(bash tests/packages/run.sh) ;;
+  packages) command=(bash tests/packages/build.sh) ;;
   *) fail "'$what' is nothing to run; $usage" ;;
 esac
 [[ $(id -u) -eq 0 ]] || fail "must be root, to make and enter a root folder; start it with sudo."
@@ -54,33 +55,50 @@ if [[ ! -e $base ]]; then
   rm -f "$system"/var/cache/apt/archives/*.deb
   tar -C "$system" -cf "$base.part" . && mv "$base.part" "$base"
 fi
-rm -rf "$system"
-mkdir -p "$system"
-tar -C "$system" -xf "$base"
-# How this system reaches its mirror: that one reaches the same.
-apt-config dump Acquire | grep -E '^Acquire::(https?|Check-)' >"$system/etc/apt/apt.conf.d/90host" || true
-cp /etc/resolv.conf "$system/etc/resolv.conf"
-mount -t proc proc "$system/proc"
-mount --rbind /dev "$system/dev"
-mount --bind "$downloads" "$system/var/cache/apt/archives"
+# fresh_root NAME: a new root folder, brought up to date, with a clone of HEAD in /root/rosefusion; the rest runs in it.
+fresh_root() {
+  system=$kept/$1
+  rm -rf "$system"
+  mkdir -p "$system"
+  tar -C "$system" -xf "$base"
+  # How this system reaches its mirror: that one reaches the same.
+  apt-config dump Acquire | grep -E '^Acquire::(https?|Check-)' >"$system/etc/apt/apt.conf.d/90host" || true
+  cp /etc/resolv.conf "$system/etc/resolv.conf"
+  mount -t proc proc "$system/proc"
+  mount --rbind /dev "$system/dev"
+  mount --bind "$downloads" "$system/var/cache/apt/archives"
+  inside sh -c 'apt-get update && apt-get -y dist-upgrade' >"$kept/$release.log" 2>&1 ||
+    fail "$release could not be brought up to date: $(tail -n 5 "$kept/$release.log")"
+  git clone --quiet --no-hardlinks "$root" "$system/root/rosefusion"
+}
 inside() {
   env -i HOME=/root LANG=C.UTF-8 TERM=dumb PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
     DEBIAN_FRONTEND=noninteractive chroot "$system" "$@" </dev/null
 }
-inside sh -c 'apt-get update && apt-get -y dist-upgrade' >"$kept/$release.log" 2>&1 ||
-  fail "$release could not be brought up to date: $(tail -n 5 "$kept/$release.log")"
-git clone --quiet --no-hardlinks "$root" "$system/root/rosefusion"
+# run COMMAND...: in the clone, with the time of each of its steps, which begin with "== "; sets status.
+run() {
+  while IFS= read -r line; do
+    if [[ $line == exit\ * ]]; then
+      status=${line#exit }
+    else
+      [[ $line != "== "* ]] || step "${line#== }"
+      printf '%s\n' "$line"
+    fi
+  done < <(inside bash -c 'cd /root/rosefusion && "$@" 2>&1; echo "exit $?"' bash "$@")
+}
 
+fresh_root "$release-$what"
 step "before the first step"
 status=0
-while IFS= read -r line; do
-  if [[ $line == exit\ * ]]; then
-    status=${line#exit }
-  else
-    [[ $line != "== "* ]] || step "${line#== }"
-    printf '%s\n' "$line"
-  fi
-done < <(inside bash -c 'cd /root/rosefusion && "$@" 2>&1; echo "exit $?"' bash "${command[@]}")
+run "${command[@]}"
+if [[ $what == packages && $status == 0 ]]; then
+  made=$system/root/rosefusion/build/packages/packages
+  fresh_root "$release-installed"
+  cp -r "$made" "$system/root/packages"
+  step "second root folder"
+  command=(bash tests/packages/try.sh /root/packages)
+  run "${command[@]}"
+fi
 step ""
 
 printf '\n== %s on %s (%s)\n' "${command[*]}" "$release" "$(inside sh -c '. /etc/os-release; echo "$PRETTY_NAME"')"
