@@ -20,7 +20,7 @@ live=(libzmq3-dev cppzmq-dev libzstd-dev libopenni2-dev libglfw3-dev libimgui-de
 case "${1:-}" in
   "") ;;
   --live) packages+=("${live[@]}") ;;
-  --tests) packages+=("${live[@]}" git spirv-cross vulkan-validationlayers libgtest-dev libgmock-dev libbenchmark-dev libx11-dev xvfb xdotool
+  --tests) packages+=("${live[@]}" git spirv-cross abigail-tools xz-utils vulkan-validationlayers libgtest-dev libgmock-dev libbenchmark-dev libx11-dev xvfb xdotool
     pybind11-dev python3-dev python3-numpy) ;;
   --packages) packages+=("${live[@]}" dpkg-dev file pybind11-dev python3-dev) ;;
   *) fail "there is no option '$1'; known are --live, --tests and --packages." ;;
