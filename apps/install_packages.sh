@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs the Debian or Ubuntu packages that rosefusion needs and that are missing. With --tests: also those of the
-# tests; with --live: those of the viewer, of cameras, of network streams and of loop closure. ROSEFUSION_NO_INSTALL=1 skips all of it, for systems where the libraries come from elsewhere.
+# tests; with --live: those of the viewer, of cameras, of network streams and of loop closure; with --packages: those and
+# what makes .deb packages. ROSEFUSION_NO_INSTALL=1 skips all of it, for systems where the libraries come from elsewhere.
 set -euo pipefail
 
 fail() {
@@ -19,9 +20,10 @@ live=(libzmq3-dev cppzmq-dev libzstd-dev libopenni2-dev libglfw3-dev libimgui-de
 case "${1:-}" in
   "") ;;
   --live) packages+=("${live[@]}") ;;
-  --tests) packages+=("${live[@]}" git vulkan-validationlayers libgtest-dev libgmock-dev libbenchmark-dev libx11-dev xvfb xdotool
+  --tests) packages+=("${live[@]}" git spirv-cross abigail-tools xz-utils vulkan-validationlayers libgtest-dev libgmock-dev libbenchmark-dev libx11-dev xvfb xdotool
     pybind11-dev python3-dev python3-numpy) ;;
-  *) fail "there is no option '$1'; known are --live and --tests." ;;
+  --packages) packages+=("${live[@]}" dpkg-dev file pybind11-dev python3-dev) ;;
+  *) fail "there is no option '$1'; known are --live, --tests and --packages." ;;
 esac
 
 if [[ "${ROSEFUSION_NO_INSTALL:-0}" == 1 ]]; then

@@ -1,8 +1,6 @@
 # The library that is installed for others (host/public): all parts in one file, static or shared as BUILD_SHARED_LIBS
 # says, exporting no more than those headers. The tests want the other kind too; it is installed only by the name of
 # its component, rosefusion-static or rosefusion-shared.
-include(CMakePackageConfigHelpers)
-set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/rosefusion)
 set(parts core swarm settings shaders engine tracking mapping relocalisation baselines loop_closure slam embedding)
 # By the names that linkers know: who links the static library needs these files, and none of their headers.
 set(used opencv_core yaml-cpp spirv-cross-c-shared ${CMAKE_DL_LIBS})
@@ -31,20 +29,39 @@ foreach(kind static shared)
   set_target_properties(${library} PROPERTIES OUTPUT_NAME rosefusion EXPORT_NAME rosefusion LINKER_LANGUAGE CXX
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_compile_features(${library} INTERFACE cxx_std_20)
-  target_include_directories(${library} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_include_directories(${library} INTERFACE "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>"
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/host/public> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>)
   if(kind STREQUAL "static")
-    target_link_libraries(${library} INTERFACE "$<INSTALL_INTERFACE:${used}>")
+    target_link_libraries(${library} INTERFACE ${used})
   else()
     target_link_libraries(${library} PRIVATE ${used})
-    # Templates of the standard library are weak symbols that hidden visibility does not reach.
-    target_link_options(${library} PRIVATE -Wl,--as-needed -Wl,--no-undefined
-                        "-Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/library.map")
-    set_target_properties(${library} PROPERTIES LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/library.map)
+    target_compile_definitions(${library} INTERFACE $<$<PLATFORM_ID:Windows>:ROSEFUSION_SHARED>)
+    if(NOT WIN32 AND NOT APPLE)  # the linkers of ELF files
+      # Templates of the standard library are weak symbols that hidden visibility does not reach.
+      target_link_options(${library} PRIVATE -Wl,--as-needed -Wl,--no-undefined
+                          "-Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/library.map")
+      set_target_properties(${library} PROPERTIES LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/library.map)
+    endif()
   endif()
   if(only_by_name AND NOT ROSEFUSION_TESTS)
     set_target_properties(${library} PROPERTIES EXCLUDE_FROM_ALL ON)
   endif()
-  install(TARGETS ${library} EXPORT rosefusion-${kind} COMPONENT rosefusion-${kind} ${only_by_name})
+endforeach()
+# For those who have this folder in their own project (add_subdirectory, FetchContent).
+add_library(rosefusion::rosefusion ALIAS rosefusion_library_${chosen})
+set(rosefusion_GLSL_DIR ${PROJECT_SOURCE_DIR} CACHE INTERNAL "For glslang's -I: shaders that include shaders/compute/lib/...")
+
+if(NOT ROSEFUSION_INSTALL)
+  return()
+endif()
+include(CMakePackageConfigHelpers)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/rosefusion)
+foreach(kind static shared)
+  set(only_by_name "")
+  if(NOT kind STREQUAL chosen)
+    set(only_by_name EXCLUDE_FROM_ALL)
+  endif()
+  install(TARGETS rosefusion_library_${kind} EXPORT rosefusion-${kind} COMPONENT rosefusion-${kind} ${only_by_name})
   install(EXPORT rosefusion-${kind} NAMESPACE rosefusion:: DESTINATION ${package_dir}
           COMPONENT rosefusion-${kind} ${only_by_name})
 endforeach()

@@ -1,15 +1,30 @@
 # rosefusion_library(NAME SOURCES ... LINK ...): one static library per folder, with the project's warnings and the
 # shared precompiled header (Eigen, OpenCV's core, nlohmann-json and spdlog take most of a file's compile time).
 add_library(rosefusion_options INTERFACE)
-target_compile_options(rosefusion_options INTERFACE -Wall -Wextra -Wshadow -Wno-missing-field-initializers
-                       # GCC 12 sees overruns in inlined standard strings that are none (GCC bug 105651 and kin).
-                       -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread)
-if(ROSEFUSION_WARNINGS_AS_ERRORS)
-  target_compile_options(rosefusion_options INTERFACE -Werror)
+target_compile_features(rosefusion_options INTERFACE cxx_std_20)
+if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  target_compile_options(rosefusion_options INTERFACE -Wall -Wextra -Wshadow -Wno-missing-field-initializers)
 endif()
-if(CCACHE_PROGRAM AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # It sees overruns in inlined standard strings that are none (GCC bug 105651 and kin).
+  target_compile_options(rosefusion_options INTERFACE -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow
+                                                      -Wno-stringop-overread)
+endif()
+if(ROSEFUSION_WARNINGS_AS_ERRORS)
+  target_compile_options(rosefusion_options INTERFACE $<IF:$<CXX_COMPILER_ID:MSVC>,/WX,-Werror>)
+endif()
+if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES ccache AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(rosefusion_options INTERFACE -fpch-preprocess)  # lets ccache see through the header
 endif()
+set(ROSEFUSION_UNFUSED $<$<NOT:$<CXX_COMPILER_ID:MSVC>>:-ffp-contract=off>)  # MSVC does not fuse unless told to
+
+# rosefusion_properties(TARGETS...): what every target has that is compiled here. Whoever shares a precompiled header must
+# agree in these. Hidden is all but what host/public marks.
+function(rosefusion_properties)
+  set_target_properties(${ARGN} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON
+                        CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+endfunction()
+
 if(ROSEFUSION_SANITIZE)
   set(sanitizers address,undefined)
   # Checks at every access through a pointer take two fifths of the compile time; what they could find, a bad address, the
@@ -24,6 +39,7 @@ if(ROSEFUSION_SANITIZE)
   target_link_options(rosefusion_options INTERFACE -fsanitize=${sanitizers})
   if(NOT ROSEFUSION_SANITIZE STREQUAL "thread")
     add_library(rosefusion_keep_loaded OBJECT tests/keep_loaded.cpp)
+    rosefusion_properties(rosefusion_keep_loaded)
     target_sources(rosefusion_options INTERFACE
       $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:$<TARGET_OBJECTS:rosefusion_keep_loaded>>)
   endif()
@@ -35,6 +51,7 @@ target_link_libraries(rosefusion_common INTERFACE rosefusion_options Eigen3::Eig
                                                   nlohmann_json::nlohmann_json spdlog::spdlog Threads::Threads)
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/pch.cpp CONTENT "// Empty.\n")  # not touched when it is there already
 add_library(rosefusion_pch OBJECT ${PROJECT_BINARY_DIR}/pch.cpp)
+rosefusion_properties(rosefusion_pch)
 target_link_libraries(rosefusion_pch PRIVATE rosefusion_common)
 target_precompile_headers(rosefusion_pch PRIVATE
   <Eigen/Geometry> <nlohmann/json.hpp> <opencv2/core.hpp> <spdlog/spdlog.h>
@@ -45,6 +62,5 @@ function(rosefusion_library name)
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC rosefusion_common ${ARG_LINK} PRIVATE ${ARG_PRIVATE_LINK})
   target_precompile_headers(${name} REUSE_FROM rosefusion_pch)
-  # As the header was compiled, also in folders where hidden is not the rule.
-  set_target_properties(${name} PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  rosefusion_properties(${name})
 endfunction()

@@ -1,13 +1,12 @@
 #include "engine/device.h"
 
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
 
 #include "engine/error.h"
 #include "engine/physical_device.h"
+#include "engine/shared_library.h"
 
 namespace rosefusion {
 namespace {
@@ -16,11 +15,10 @@ constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
 /// The system's Vulkan loader, opened anew; the last Impl that holds it closes it.
 std::unique_ptr<Device::Impl> openLoader() {
-  for (const char* name : {"libvulkan.so.1", "libvulkan.so", "libvulkan.1.dylib", "libMoltenVK.dylib"})
-    if (const std::shared_ptr<void> library{dlopen(name, RTLD_NOW | RTLD_LOCAL), [](void* opened) {
-                                              if (opened) dlclose(opened);
-                                            }})
-      if (void* entry = dlsym(library.get(), "vkGetInstanceProcAddr")) {
+  for (const char* name :
+       {"libvulkan.so.1", "libvulkan.so", "libvulkan.1.dylib", "libMoltenVK.dylib", "vulkan-1.dll"})
+    if (const std::shared_ptr<void> library = openLibrary(name))
+      if (void* entry = functionOf(library, "vkGetInstanceProcAddr")) {
         auto impl = std::make_unique<Device::Impl>(reinterpret_cast<PFN_vkGetInstanceProcAddr>(entry));
         impl->loader = library;
         return impl;

@@ -1,20 +1,25 @@
 #!/usr/bin/env bash
-# All tests: installs what is missing, builds, and runs everything in Release on Mesa's software device (or on
+# All tests: builds, and runs everything in Release on Mesa's software device (or on
 # $ROSEFUSION_DEVICE) with validation; then the tests of engine and pipeline again with narrower subgroups; then all
 # but the long ones under the address and undefined-behaviour sanitizers. Ends with 'All tests passed.' or fails.
-# 'tests/run.sh --no-sanitizers' leaves out the last part.
+# --install first installs the Debian or Ubuntu packages that are missing, as it does in CI (CI is set in the environment);
+# --no-sanitizers leaves out the last part.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 sanitizers=1
-case "${1:-}" in
-  "") ;;
-  --no-sanitizers) sanitizers=0 ;;
-  *)
-    echo "run.sh: there is no option '$1'; known is --no-sanitizers." >&2
-    exit 2
-    ;;
-esac
+install=0
+[[ -z ${CI:-} ]] || install=1
+for option in "$@"; do
+  case "$option" in
+    --install) install=1 ;;
+    --no-sanitizers) sanitizers=0 ;;
+    *)
+      echo "run.sh: there is no option '$option'; known are --install and --no-sanitizers." >&2
+      exit 2
+      ;;
+  esac
+done
 cd "$root"
 
 step() { printf '\n== %s (%d min %02d s so far)\n' "$*" $((SECONDS / 60)) $((SECONDS % 60)); }
@@ -32,7 +37,7 @@ build() {  # PRESET [ARGUMENTS...]
   mkdir -p "build/$1"
   cmake --preset "$1" >"build/$1/configure.log" 2>&1 || {
     cat "build/$1/configure.log" >&2
-    fail "the build '$1' could not be configured; the lines above name what is missing."
+    fail "the build '$1' could not be configured; the lines above name what is missing; on Debian and Ubuntu, --install installs it."
   }
   cmake --build "build/$1" --parallel "$(jobs)" "${@:2}" || fail "the build '$1' failed; see above."
 }
@@ -53,8 +58,10 @@ export UBSAN_OPTIONS=print_stacktrace=1
 # The 256 MB that it keeps by default, in case they are used after being freed, cost a third of the time in new pages.
 export ASAN_OPTIONS=${ASAN_OPTIONS:-quarantine_size_mb=16}
 
-step "Packages"
-bash apps/install_packages.sh --tests
+if [[ $install == 1 ]]; then
+  step "Packages"
+  bash apps/install_packages.sh --tests
+fi
 
 step "Release: build"
 build ci

@@ -1,13 +1,13 @@
 #include "apps/cli/progress.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 
+#include "host/core/system.h"
+
 namespace rosefusion::cli {
 
-Progress::Progress(std::string unit) : unit_(std::move(unit)), terminal_(isatty(STDERR_FILENO) != 0) {}
+Progress::Progress(std::string unit) : unit_(std::move(unit)), terminal_(isTerminal(stderr)) {}
 
 Progress::~Progress() {
   if (drawn_) std::fputc('\n', stderr);

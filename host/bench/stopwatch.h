@@ -2,17 +2,15 @@
 #pragma once
 #include <algorithm>
 #include <chrono>
-#include <ctime>
 #include <vector>
 
 #include "host/bench/pass_bench.h"
+#include "host/core/system.h"
 
 namespace rosefusion {
 
 inline double cpuMilliseconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+  return 1e3 * processorSeconds();
 }
 
 template <typename Work>

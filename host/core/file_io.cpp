@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "host/core/error.h"
+#include "host/core/system.h"
 
 namespace rosefusion {
 
@@ -50,7 +51,7 @@ void requireWritable(const fs::path& file) {
   if (fs::is_directory(file, error)) failToWrite(file, EISDIR);
   if (isSpecial(file)) return;
   const fs::path temporary = temporaryFor(file);
-  std::FILE* out = std::fopen(temporary.c_str(), "wb");
+  std::FILE* out = std::fopen(temporary.string().c_str(), "wb");
   if (!out) failToWrite(file, errno);
   std::fclose(out);
   fs::remove(temporary, error);
@@ -67,7 +68,7 @@ void writeFileAtomically(const fs::path& named, std::string_view bytes) {
     if (!special) fs::remove(temporary, error);
     failToWrite(named, code);
   };
-  std::FILE* out = std::fopen(temporary.c_str(), "wb");
+  std::FILE* out = std::fopen(temporary.string().c_str(), "wb");
   if (!out) fail(errno);
   const bool wrote = std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size() && std::fflush(out) == 0;
   const int write_error = errno;
@@ -88,12 +89,11 @@ ScratchFolder::ScratchFolder(const std::string& purpose) {
   std::error_code error;
   const fs::path folder = fs::temp_directory_path(error);
   const char* wanted = std::getenv("TMPDIR");
-  std::string pattern =
-      ((error && wanted ? fs::path(wanted) : folder) / ("rosefusion-" + purpose + "-XXXXXX")).string();
-  if (!mkdtemp(pattern.data()))
-    throw InputError(pattern +
-                     ": no temporary folder can be made; point TMPDIR to a folder that can be written.");
-  path_ = pattern;
+  const fs::path beginning = (error && wanted ? fs::path(wanted) : folder) / ("rosefusion-" + purpose + "-");
+  path_ = makeUniqueFolder(beginning);
+  if (path_.empty())
+    throw InputError(beginning.string() +
+                     "...: no temporary folder can be made; point TMPDIR to a folder that can be written.");
 }
 
 ScratchFolder::~ScratchFolder() {

@@ -13,7 +13,7 @@
 
 namespace rosefusion {
 
-struct __attribute__((visibility("hidden"))) Reconstructor::Impl {
+struct ROSEFUSION_HIDDEN Reconstructor::Impl {
   /// With handles: on the caller's device, else on one of its own.
   Impl(const Camera& camera, const VulkanHandles* handles, const Options& options);
   ~Impl();

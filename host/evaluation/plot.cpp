@@ -1,12 +1,5 @@
 #include "host/evaluation/plot.h"
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -14,6 +7,7 @@
 
 #include "host/core/error.h"
 #include "host/core/file_io.h"
+#include "host/core/system.h"
 
 namespace rosefusion {
 namespace {
@@ -30,24 +24,6 @@ void write(const fs::path& file, const std::string& text) {
   if (!(out << text << std::flush))
     throw InputError(file.string() +
                      ": cannot be written; free some space or point TMPDIR to another folder.");
-}
-
-/// The exit status of `gnuplot SCRIPT`, or 127 when there is no gnuplot. Its messages go to `log`.
-int runGnuplot(const fs::path& script, const fs::path& log) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  std::string program = "gnuplot", file = script.string();
-  char* arguments[] = {program.data(), file.data(), nullptr};
-  pid_t child = 0;
-  const int refused = posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (refused) return 127;
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
 }
 
 constexpr const char* kStyle = R"(set encoding utf8
@@ -72,7 +48,8 @@ void renderPlot(const Plot& plot, const fs::path& png) {
          << kStyle << plot.commands << "\nunset multiplot\nset output\n";
   write(folder.path() / "script.gp", script.str());
 
-  const int status = runGnuplot(folder.path() / "script.gp", folder.path() / "log.txt");
+  const int status =
+      runProgram({"gnuplot", (folder.path() / "script.gp").string()}, folder.path() / "log.txt");
   if (status == 127)
     throw InputError(png.string() +
                      ": cannot be drawn because gnuplot is not installed; install it (Debian and "

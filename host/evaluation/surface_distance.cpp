@@ -1,17 +1,13 @@
 #include "host/evaluation/surface_distance.h"
 
-#if __has_include(<embree4/rtcore.h>)
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nanoflann.hpp>
 #include <stdexcept>
+
+#include "host/core/embree.h"
 
 namespace rosefusion {
 namespace {

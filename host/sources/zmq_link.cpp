@@ -1,13 +1,12 @@
 #include "host/sources/zmq_link.h"
 
-#include <sys/stat.h>
-
 #include <array>
 #include <fstream>
 #include <random>
 
 #include "host/core/error.h"
 #include "host/core/file_io.h"
+#include "host/core/system.h"
 #include "host/sources/wire.h"
 
 namespace rosefusion {
@@ -46,16 +45,17 @@ void makeKeys(const std::filesystem::path& name) {
   KeyText open{}, secret{};
   if (zmq_curve_keypair(open.data(), secret.data()) != 0)
     throw InputError("This system's ZeroMQ knows no Curve keys; install one that was built with libsodium.");
-  const auto write = [&](const char* ending, const KeyText& key, mode_t mask) {
+  const auto write = [&](const char* ending, const KeyText& key) {
     const std::filesystem::path file = name.string() + ending;
     if (std::filesystem::exists(file))
       throw InputError(file.string() + ": exists already, and keys are not replaced; choose another name.");
-    const mode_t before = umask(mask);
     writeFileAtomically(file, std::string(key.data()) + "\n");
-    umask(before);
   };
-  write(".secret", secret, 0077);
-  write(".public", open, 0022);
+  {
+    const PrivateFiles only_mine;
+    write(".secret", secret);
+  }
+  write(".public", open);
 }
 
 namespace link {

@@ -1,7 +1,3 @@
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <cstdlib>
 #include <optional>
 #include <sstream>
@@ -9,30 +5,12 @@
 #include <system_error>
 
 #include "host/core/error.h"
+#include "host/core/system.h"
 #include "host/swarm/template_file.h"
 #include "host/swarm/template_sampling.h"
 
 namespace rosefusion {
 namespace {
-
-// Held by the process that generates the file; released by the system when that process dies. Where locks do
-// not work (some network disks) it does nothing, and two processes then write the same bytes one after the
-// other.
-class FileLock {
- public:
-  explicit FileLock(const std::filesystem::path& file)
-      : descriptor_(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
-    if (descriptor_ >= 0) (void)flock(descriptor_, LOCK_EX);
-  }
-  ~FileLock() {
-    if (descriptor_ >= 0) close(descriptor_);
-  }
-  FileLock(const FileLock&) = delete;
-  FileLock& operator=(const FileLock&) = delete;
-
- private:
-  int descriptor_;
-};
 
 std::optional<TemplateSet> tryRead(const std::filesystem::path& file, const TemplateOptions& options,
                                    const Log& log) {
@@ -75,6 +53,7 @@ TemplateSet loadOrGenerate(const std::filesystem::path& cache_file, const Templa
   std::error_code ignored;  // writing the file says what is wrong with the folder
   std::filesystem::create_directories(cache_file.parent_path(), ignored);
   std::filesystem::path lock_file = cache_file;
+  // Another process may be making the same file.
   const FileLock lock(lock_file += ".lock");
   if (auto set = tryRead(cache_file, options, log)) return *std::move(set);
   TemplateSet set = generateTemplates(options, progress);

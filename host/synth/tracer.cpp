@@ -1,10 +1,10 @@
 #include "host/synth/tracer.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+
+#include "host/core/embree.h"
 
 namespace rosefusion {
 namespace {
@@ -85,14 +85,12 @@ Tracer::~Tracer() = default;
 
 std::optional<Tracer::Hit> Tracer::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                                         double longest) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   RTCRayHit query{};
   const Eigen::Vector3f o = origin.cast<float>(), d = direction.cast<float>();
   query.ray = {o.x(),       o.y(), o.z(), kNearest, d.x(), d.y(), d.z(), 0, static_cast<float>(longest),
                0xFFFFFFFFu, 0,     0};
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(embree_->scene, &context, &query);
+  intersect(embree_->scene, query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   Eigen::Vector3d normal = Eigen::Vector3d(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z).normalized();
   if (normal.dot(direction) > 0) normal = -normal;
@@ -101,9 +99,6 @@ std::optional<Tracer::Hit> Tracer::cast(const Eigen::Vector3d& origin, const Eig
 
 void Tracer::cast4(const Eigen::Vector3d& origin, const Eigen::Matrix<double, 3, 4>& directions,
                    double longest, Hit hits[4]) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   RTCRayHit4 query{};
   alignas(16) const int valid[4] = {-1, -1, -1, -1};
   for (int i = 0; i < 4; ++i) {
@@ -118,7 +113,7 @@ void Tracer::cast4(const Eigen::Vector3d& origin, const Eigen::Matrix<double, 3,
     query.ray.mask[i] = 0xFFFFFFFFu;
     query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
   }
-  rtcIntersect4(valid, embree_->scene, &context, &query);
+  intersectCoherent(embree_->scene, valid, query);
   for (int i = 0; i < 4; ++i) {
     const bool hit = query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
     Eigen::Vector3d normal =

@@ -10,8 +10,7 @@
 #include <string>
 #include <vector>
 
-/// Marks what the library exports; everything else is hidden.
-#define ROSEFUSION_API __attribute__((visibility("default")))
+#include "rosefusion/export.h"
 
 namespace rosefusion {
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/slam/tracking/pose_refiner.h"
+
 namespace rosefusion {
 namespace {
 

@@ -1,0 +1,51 @@
+// What is asked of the operating system beyond the standard library: system_posix.cpp, system_windows.cpp.
+#pragma once
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace rosefusion {
+
+/// Whether a person watches what is written to `stream`.
+bool isTerminal(std::FILE* stream);
+
+/// Processor time of all threads of this process, seconds.
+double processorSeconds();
+
+/// Makes a folder named `beginning` and something random, which only this user may enter. Empty when it
+/// cannot.
+std::filesystem::path makeUniqueFolder(const std::filesystem::path& beginning);
+
+/// Runs a program found along PATH, its output appended to `log`, and waits for its end: the exit status, 1
+/// when it was killed, 127 when there is no such program.
+int runProgram(const std::vector<std::string>& program_and_arguments, const std::filesystem::path& log);
+
+/// While it lives, files that this process makes can be read by this user only. Not for several threads at
+/// once.
+class PrivateFiles {
+ public:
+  PrivateFiles();
+  ~PrivateFiles();
+  PrivateFiles(const PrivateFiles&) = delete;
+  PrivateFiles& operator=(const PrivateFiles&) = delete;
+
+ private:
+  unsigned before_;
+};
+
+/// Held by one process at a time; waits for it. Released by the system when the process dies. Where locks do
+/// not work (some network disks) or the file cannot be made it does nothing.
+class FileLock {
+ public:
+  explicit FileLock(const std::filesystem::path& file);
+  ~FileLock();
+  FileLock(const FileLock&) = delete;
+  FileLock& operator=(const FileLock&) = delete;
+
+ private:
+  std::intptr_t handle_;
+};
+
+}  // namespace rosefusion

@@ -1,0 +1,67 @@
+#ifndef _WIN32
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <ctime>
+
+#include "host/core/system.h"
+
+extern char** environ;  // NOLINT: POSIX names it, and no header of macOS does
+
+namespace rosefusion {
+
+bool isTerminal(std::FILE* stream) {
+  return isatty(fileno(stream)) != 0;
+}
+
+double processorSeconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+std::filesystem::path makeUniqueFolder(const std::filesystem::path& beginning) {
+  std::string pattern = beginning.string() + "XXXXXX";
+  return mkdtemp(pattern.data()) ? std::filesystem::path(pattern) : std::filesystem::path();
+}
+
+int runProgram(const std::vector<std::string>& program_and_arguments, const std::filesystem::path& log) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
+  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  std::vector<char*> arguments;
+  for (const std::string& argument : program_and_arguments)
+    arguments.push_back(const_cast<char*>(argument.c_str()));  // posix_spawn promises not to write to them
+  arguments.push_back(nullptr);
+  pid_t child = 0;
+  const int refused = posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (refused) return 127;
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+}
+
+PrivateFiles::PrivateFiles() : before_(umask(0077)) {}
+PrivateFiles::~PrivateFiles() {
+  umask(static_cast<mode_t>(before_));
+}
+
+FileLock::FileLock(const std::filesystem::path& file)
+    : handle_(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
+  if (handle_ >= 0) (void)flock(static_cast<int>(handle_), LOCK_EX);
+}
+FileLock::~FileLock() {
+  if (handle_ >= 0) close(static_cast<int>(handle_));
+}
+
+}  // namespace rosefusion
+#endif
