@@ -8,13 +8,11 @@
 namespace rosefusion {
 namespace {
 
-using Property = vk::MemoryPropertyFlagBits;
-
 constexpr std::uint64_t kSmallUpload = 1 << 16;  // bytes
 
 /// First memory type that has all of `wanted`, else of `needed`; -1 when there is none.
-int memoryType(const vk::PhysicalDeviceMemoryProperties& memory, std::uint32_t allowed,
-               vk::MemoryPropertyFlags needed, vk::MemoryPropertyFlags wanted) {
+int memoryType(const VkPhysicalDeviceMemoryProperties& memory, std::uint32_t allowed,
+               VkMemoryPropertyFlags needed, VkMemoryPropertyFlags wanted) {
   for (const auto flags : {needed | wanted, needed})
     for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i)
       if ((allowed >> i & 1u) && (memory.memoryTypes[i].propertyFlags & flags) == flags)
@@ -37,54 +35,55 @@ Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Im
   Device::Impl& device = owner.impl();
   requireAtMost(device.info.limits.max_allocation_bytes, bytes, device.info);
   bytes = std::max<std::uint64_t>(16, (bytes + 3) / 4 * 4);
-  try {
-    using Usage = vk::BufferUsageFlagBits;
-    impl_->buffer = {
-        device.device,
-        vk::BufferCreateInfo({}, bytes,
-                             Usage::eStorageBuffer | Usage::eUniformBuffer | Usage::eUniformTexelBuffer |
-                                 Usage::eTransferSrc | Usage::eTransferDst),
-        device.allocator};
-    const auto requirements = impl_->buffer.getMemoryRequirements();
-    const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
-    // Parameters that every invocation reads belong beside the processors; images cross once anyway.
-    const bool beside = memory == Memory::Upload && bytes <= kSmallUpload;
-    const auto allocate = [&](vk::MemoryPropertyFlags needed, vk::MemoryPropertyFlags wanted) {
-      const int type = memoryType(device.memory, requirements.memoryTypeBits, needed, wanted);
-      if (type < 0)
-        throw DeviceError(DeviceErrorCode::MissingLimit,
-                          device.info.name + " has no memory type for buffers.");
-      requireAtMost(device.memory.memoryHeaps[device.memory.memoryTypes[type].heapIndex].size,
-                    requirements.size, device.info);
-      impl_->memory = {device.device,
-                       vk::MemoryAllocateInfo(requirements.size, static_cast<std::uint32_t>(type)),
-                       device.allocator};
-    };
-    if (memory == Memory::Device) {
-      allocate({}, Property::eDeviceLocal);
-    } else if (!beside) {
-      allocate(host, memory == Memory::Readback ? Property::eHostCached : vk::MemoryPropertyFlags());
-    } else {
-      try {
-        allocate(host, Property::eDeviceLocal);
-      } catch (const vk::OutOfDeviceMemoryError&) {
-        allocate(host, {});  // the part of the device's memory that the host sees is small on some
-      }
-    }
-    impl_->buffer.bindMemory(*impl_->memory, 0);
-    if (memory != Memory::Device) impl_->mapped = impl_->memory.mapMemory(0, bytes);
-    // Made with the buffer, not when first bound: copies of it are bound on several threads.
-    const auto view = [&](vk::Format format, std::uint64_t texel_bytes) -> vk::raii::BufferView {
-      const std::uint64_t range = bytes / texel_bytes * texel_bytes;
-      if (bytes / texel_bytes > device.info.limits.max_texels) return nullptr;
-      return {device.device, vk::BufferViewCreateInfo({}, *impl_->buffer, format, 0, range),
-              device.allocator};
-    };
-    impl_->words = view(vk::Format::eR32Uint, 4);
-    impl_->vectors = view(vk::Format::eR32G32B32A32Sfloat, 16);
-  } catch (const vk::SystemError& error) {
-    throwDeviceError(error, "allocating " + std::to_string(bytes >> 20) + " MiB");
+  const std::string doing = "allocating " + std::to_string(bytes >> 20) + " MiB";
+  impl_->buffer = {
+      device,
+      VkBufferCreateInfo{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+                         .size = bytes,
+                         .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
+                                  VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+                                  VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT},
+      doing};
+  VkMemoryRequirements requirements;
+  device.vk.GetBufferMemoryRequirements(device.device, impl_->buffer, &requirements);
+  const VkMemoryPropertyFlags host =
+      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+  // Parameters that every invocation reads belong beside the processors; images cross once anyway.
+  const bool beside = memory == Memory::Upload && bytes <= kSmallUpload;
+  const auto allocate = [&](VkMemoryPropertyFlags needed, VkMemoryPropertyFlags wanted) {
+    const int type = memoryType(device.memory, requirements.memoryTypeBits, needed, wanted);
+    if (type < 0)
+      throw DeviceError(DeviceErrorCode::MissingLimit, device.info.name + " has no memory type for buffers.");
+    requireAtMost(device.memory.memoryHeaps[device.memory.memoryTypes[type].heapIndex].size,
+                  requirements.size, device.info);
+    return impl_->memory.make(device,
+                              VkMemoryAllocateInfo{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                                   .allocationSize = requirements.size,
+                                                   .memoryTypeIndex = static_cast<std::uint32_t>(type)});
+  };
+  if (memory == Memory::Device) {
+    require(allocate({}, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT), doing);
+  } else if (!beside) {
+    require(allocate(host, memory == Memory::Readback ? VK_MEMORY_PROPERTY_HOST_CACHED_BIT : 0), doing);
+  } else if (allocate(host, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != VK_SUCCESS) {
+    require(allocate(host, {}),
+            doing);  // the part of the device's memory that the host sees is small on some
   }
+  require(device.vk.BindBufferMemory(device.device, impl_->buffer, impl_->memory, 0), doing);
+  if (memory != Memory::Device)
+    require(device.vk.MapMemory(device.device, impl_->memory, 0, VK_WHOLE_SIZE, 0, &impl_->mapped), doing);
+  // Made with the buffer, not when first bound: copies of it are bound on several threads.
+  const auto view = [&](VkFormat format, std::uint64_t texel_bytes) -> OwnedBufferView {
+    if (bytes / texel_bytes > device.info.limits.max_texels) return {};
+    return {device,
+            VkBufferViewCreateInfo{.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
+                                   .buffer = impl_->buffer,
+                                   .format = format,
+                                   .range = bytes / texel_bytes * texel_bytes},
+            doing};
+  };
+  impl_->words = view(VK_FORMAT_R32_UINT, 4);
+  impl_->vectors = view(VK_FORMAT_R32G32B32A32_SFLOAT, 16);
   impl_->bytes = bytes;
   impl_->device = &device;
   device.allocated_bytes += bytes;
@@ -102,7 +101,7 @@ std::uint64_t Buffer::bytes() const {
 }
 
 VkBuffer_T* Buffer::handle() const {
-  return impl_ ? static_cast<VkBuffer>(*impl_->buffer) : nullptr;
+  return impl_ ? static_cast<VkBuffer>(impl_->buffer) : nullptr;
 }
 
 void* Buffer::mapped() const {
