@@ -4,6 +4,8 @@ add_library(rosefusion_options INTERFACE)
 target_compile_options(rosefusion_options INTERFACE -Wall -Wextra -Wshadow -Wno-missing-field-initializers
                        # GCC 12 sees overruns in inlined standard strings that are none (GCC bug 105651 and kin).
                        -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread)
+# Statics of inline functions as weak symbols, which cmake/library.cmake can make local.
+target_compile_options(rosefusion_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)
 if(ROSEFUSION_WARNINGS_AS_ERRORS)
   target_compile_options(rosefusion_options INTERFACE -Werror)
 endif()
