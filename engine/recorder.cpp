@@ -37,7 +37,7 @@ struct Recorder::Impl {
   OwnedFence fence;
   std::uint32_t sets_used = 0;  // freed with the pool's reset
   bool recording = false;
-  std::vector<Buffer> held;  // what the caller's command buffer uses
+  std::vector<Buffer> held;  // what the recorded commands use
 
   const Commands& vk() const { return device.vk; }
   bool isCallers() const { return commands != own_commands; }
@@ -49,8 +49,7 @@ struct Recorder::Impl {
     recording = true;
   }
   void hold(std::initializer_list<const Buffer*> buffers) {
-    if (isCallers())
-      for (const Buffer* buffer : buffers) held.push_back(*buffer);
+    for (const Buffer* buffer : buffers) held.push_back(*buffer);
   }
   void letGo() {
     (void)vk().ResetDescriptorPool(device.device, pool, 0);  // cannot fail
@@ -251,6 +250,13 @@ void Recorder::recordInto(VkCommandBuffer_T* commands) {
   impl_->commands = commands ? commands : impl_->own_commands;
 }
 
+void Recorder::discard() {
+  if (!impl_->recording || impl_->isCallers()) return;
+  (void)impl_->vk().ResetCommandBuffer(impl_->own_commands, 0);  // beginning it anew would say what is wrong
+  impl_->recording = false;
+  impl_->letGo();
+}
+
 void Recorder::submit() {
   if (impl_->isCallers())
     throw DeviceError(DeviceErrorCode::Programming,
@@ -260,12 +266,15 @@ void Recorder::submit() {
   const Commands& vk = device.vk;
   const VkFence* fence = impl_->fence.address();
   const char* doing = "running compute work";
-  impl_->showHost();
-  impl_->recording = false;
-  require(vk.EndCommandBuffer(impl_->commands), doing);
   const VkSubmitInfo work{
       .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &impl_->commands};
-  require(device.submit(work, *fence), doing);
+  {
+    const Whole whole(*this);
+    impl_->showHost();
+    require(vk.EndCommandBuffer(impl_->commands), doing);
+    require(device.submit(work, *fence), doing);
+  }
+  impl_->recording = false;
   if (!impl_->isSoonDone())
     require(vk.WaitForFences(device.device, 1, fence, VK_TRUE, std::numeric_limits<std::uint64_t>::max()),
             doing);
