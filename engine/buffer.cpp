@@ -4,21 +4,10 @@
 
 #include "engine/buffer_impl.h"
 #include "engine/error.h"
+#include "engine/memory_types.h"
 
 namespace rosefusion {
 namespace {
-
-constexpr std::uint64_t kSmallUpload = 1 << 16;  // bytes
-
-/// First memory type that has all of `wanted`, else of `needed`; -1 when there is none.
-int memoryType(const VkPhysicalDeviceMemoryProperties& memory, std::uint32_t allowed,
-               VkMemoryPropertyFlags needed, VkMemoryPropertyFlags wanted) {
-  for (const auto flags : {needed | wanted, needed})
-    for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i)
-      if ((allowed >> i & 1u) && (memory.memoryTypes[i].propertyFlags & flags) == flags)
-        return static_cast<int>(i);
-  return -1;
-}
 
 /// Vulkan leaves larger requests undefined, so they are refused before it sees them.
 void requireAtMost(std::uint64_t most, std::uint64_t bytes, const DeviceInfo& device) {
@@ -27,6 +16,28 @@ void requireAtMost(std::uint64_t most, std::uint64_t bytes, const DeviceInfo& de
                     "A buffer of " + std::to_string(bytes >> 20) + " MiB is more than " + device.name +
                         " allocates at once (" + std::to_string(most >> 20) +
                         " MiB); make volume.voxel_size larger or depth.max smaller.");
+}
+
+/// Where a heap is too small or full, from the next.
+VkMemoryType allocate(Buffer::Impl& buffer, const VkMemoryRequirements& requirements, Memory use,
+                      const Device::Impl& device, const std::string& doing) {
+  const auto types = memoryTypesFor(use, requirements.size, device.memory, requirements.memoryTypeBits);
+  if (types.empty())
+    throw DeviceError(DeviceErrorCode::MissingLimit, device.info.name + " has no memory type for buffers.");
+  const auto heapBytes = [&](std::uint32_t type) -> std::uint64_t {
+    return device.memory.memoryHeaps[device.memory.memoryTypes[type].heapIndex].size;
+  };
+  requireAtMost(heapBytes(*std::ranges::max_element(types, {}, heapBytes)), requirements.size, device.info);
+  VkResult result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  for (const std::uint32_t type : types) {
+    if (heapBytes(type) < requirements.size) continue;
+    result = buffer.memory.make(device, VkMemoryAllocateInfo{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                                             .allocationSize = requirements.size,
+                                                             .memoryTypeIndex = type});
+    if (result == VK_SUCCESS) return device.memory.memoryTypes[type];
+  }
+  require(result, doing);
+  return {};
 }
 
 }  // namespace
@@ -46,30 +57,9 @@ Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Im
       doing};
   VkMemoryRequirements requirements;
   device.vk.GetBufferMemoryRequirements(device.device, impl_->buffer, &requirements);
-  const VkMemoryPropertyFlags host =
-      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-  // Parameters that every invocation reads belong beside the processors; images cross once anyway.
-  const bool beside = memory == Memory::Upload && bytes <= kSmallUpload;
-  const auto allocate = [&](VkMemoryPropertyFlags needed, VkMemoryPropertyFlags wanted) {
-    const int type = memoryType(device.memory, requirements.memoryTypeBits, needed, wanted);
-    if (type < 0)
-      throw DeviceError(DeviceErrorCode::MissingLimit, device.info.name + " has no memory type for buffers.");
-    requireAtMost(device.memory.memoryHeaps[device.memory.memoryTypes[type].heapIndex].size,
-                  requirements.size, device.info);
-    return impl_->memory.make(device,
-                              VkMemoryAllocateInfo{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                                                   .allocationSize = requirements.size,
-                                                   .memoryTypeIndex = static_cast<std::uint32_t>(type)});
-  };
-  if (memory == Memory::Device) {
-    require(allocate({}, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT), doing);
-  } else if (!beside) {
-    require(allocate(host, memory == Memory::Readback ? VK_MEMORY_PROPERTY_HOST_CACHED_BIT : 0), doing);
-  } else if (allocate(host, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != VK_SUCCESS) {
-    require(allocate(host, {}),
-            doing);  // the part of the device's memory that the host sees is small on some
-  }
+  const VkMemoryType type = allocate(*impl_, requirements, memory, device, doing);
   require(device.vk.BindBufferMemory(device.device, impl_->buffer, impl_->memory, 0), doing);
+  impl_->invalidate = !(type.propertyFlags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
   if (memory != Memory::Device)
     require(device.vk.MapMemory(device.device, impl_->memory, 0, VK_WHOLE_SIZE, 0, &impl_->mapped), doing);
   // Made with the buffer, not when first bound: copies of it are bound on several threads.
@@ -106,6 +96,12 @@ VkBuffer_T* Buffer::handle() const {
 
 void* Buffer::mapped() const {
   if (!impl_ || !impl_->mapped) throw DeviceError(DeviceErrorCode::Programming, "This buffer is not mapped.");
+  if (impl_->invalidate) {
+    const VkMappedMemoryRange whole{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE, nullptr, impl_->memory, 0,
+                                    VK_WHOLE_SIZE};
+    require(impl_->device->vk.InvalidateMappedMemoryRanges(impl_->device->device, 1, &whole),
+            "reading a buffer");
+  }
   return impl_->mapped;
 }
 

@@ -11,6 +11,7 @@ struct Buffer::Impl {
   OwnedMemory memory;  // before the buffer, which is destroyed first
   OwnedBuffer buffer;
   void* mapped = nullptr;
+  bool invalidate = false;  // before the host reads: the memory is not coherent
   // Its texels, read only; null where they are more than a texel buffer holds.
   OwnedBufferView words;
   OwnedBufferView vectors;  // four floats each

@@ -94,38 +94,6 @@ VKAPI_ATTR VkBool32 VKAPI_CALL keepMessage(VkDebugUtilsMessageSeverityFlagBitsEX
   return VK_FALSE;
 }
 
-std::string lowered(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
-bool matches(const DeviceInfo& info, const std::string& select) {
-  if (select.empty()) return true;
-  if (std::all_of(select.begin(), select.end(), [](unsigned char c) { return std::isdigit(c); }))
-    return info.index == std::atoi(select.c_str());
-  return lowered(select) == toString(info.type) ||
-         lowered(info.name).find(lowered(select)) != std::string::npos;
-}
-
-/// Index of the best usable device that matches; throws with each device and the reason against it otherwise.
-std::size_t choose(const std::vector<DeviceInfo>& devices, const std::string& select) {
-  std::size_t best = devices.size();
-  std::string reasons;
-  for (std::size_t i = 0; i < devices.size(); ++i) {
-    const DeviceInfo& info = devices[i];
-    const bool wanted = matches(info, select);
-    if (wanted && info.rejected_because.empty()) {
-      if (best == devices.size() || info.type < devices[best].type) best = i;
-      continue;
-    }
-    reasons += " [" + std::to_string(info.index) + "] " + info.name + ": " +
-               (wanted ? info.rejected_because : "is not '" + select + "'") + ".";
-  }
-  if (best < devices.size()) return best;
-  throw DeviceError(DeviceErrorCode::NoDevice,
-                    "No Vulkan device fits; choose another with --device or $ROSEFUSION_DEVICE." + reasons);
-}
-
 void listen(Device::Impl& d) {
   const VkDebugUtilsMessengerCreateInfoEXT info{
       .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
@@ -235,7 +203,7 @@ Device::Device(const DeviceOptions& options) : impl_(openLoader()) {
     infos.push_back(describe(d.vk, physical, static_cast<int>(infos.size()), options.limits_at_most));
   const char* environment = std::getenv("ROSEFUSION_DEVICE");
   const std::size_t chosen =
-      choose(infos, options.select.empty() && environment ? environment : options.select);
+      chooseDevice(infos, options.select.empty() && environment ? environment : options.select);
   d.physical = physicals[chosen];
   d.info = infos[chosen];
   const auto family = static_cast<std::uint32_t>(computeQueueFamily(d.vk, d.physical));

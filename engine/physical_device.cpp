@@ -1,14 +1,19 @@
 #include "engine/physical_device.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "engine/error.h"
+#include "engine/memory_types.h"
 
 namespace rosefusion {
 namespace {
 
 constexpr const char* kPortabilitySubset = "VK_KHR_portability_subset";
+constexpr int kMesaDozen =
+    23;  // VK_DRIVER_ID_MESA_DOZEN, since headers 1.3.226: Vulkan on Direct3D 12, as in WSL
 
 DeviceType typeOf(VkPhysicalDeviceType type) {
   switch (type) {
@@ -43,6 +48,24 @@ bool offers(const Commands& vk, VkPhysicalDevice physical, const char* extension
   const auto all = enumerate<VkExtensionProperties>(vk.EnumerateDeviceExtensionProperties, physical, nullptr);
   return std::any_of(all.begin(), all.end(),
                      [&](const auto& e) { return std::strcmp(e.extensionName, extension) == 0; });
+}
+
+std::string lowered(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+bool matches(const DeviceInfo& info, const std::string& select) {
+  if (select.empty()) return true;
+  if (std::all_of(select.begin(), select.end(), [](unsigned char c) { return std::isdigit(c); }))
+    return info.index == std::atoi(select.c_str());
+  return lowered(select) == toString(info.type) ||
+         lowered(info.name).find(lowered(select)) != std::string::npos;
+}
+
+/// Less is better: what a driver says that it does not do as Vulkan asks comes after all the rest.
+std::pair<bool, DeviceType> rank(const DeviceInfo& info) {
+  return {!info.conformant, info.type};
 }
 
 }  // namespace
@@ -96,7 +119,8 @@ std::vector<std::string> missingOf(const Commands& vk, VkPhysicalDevice physical
   std::vector<std::string> missing;
   if (version < needs.api_version)
     missing.push_back("it offers Vulkan " + versionText(version) + ", rosefusion needs " +
-                      versionText(needs.api_version));
+                      versionText(needs.api_version) +
+                      ", which a newer driver may offer (for many GPUs the package mesa-vulkan-drivers)");
   if (computeQueueFamily(vk, physical) < 0) missing.push_back("it has no compute queue");
   const auto compare = [&](const char* what, std::uint64_t have, std::uint64_t need) {
     if (have < need)
@@ -133,9 +157,6 @@ DeviceInfo describe(const Commands& vk, VkPhysicalDevice physical, int index,
   limits.max_shared_memory_bytes = basic.limits.maxComputeSharedMemorySize;
   VkPhysicalDeviceMemoryProperties memory;
   vk.GetPhysicalDeviceMemoryProperties(physical, &memory);
-  for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i)
-    if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
-      limits.memory_bytes = std::max<std::uint64_t>(limits.memory_bytes, memory.memoryHeaps[i].size);
   if (basic.apiVersion >= VK_API_VERSION_1_1) {
     // Devices of 1.1 do not know the last struct.
     VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
@@ -148,11 +169,41 @@ DeviceInfo describe(const Commands& vk, VkPhysicalDevice physical, int index,
     vk.GetPhysicalDeviceProperties2(physical, &all);
     limits.subgroup_size = subgroup.subgroupSize;
     limits.max_allocation_bytes = sizes.maxMemoryAllocationSize;
-    if (names_driver) info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
+    if (names_driver) {
+      info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
+      info.conformant = driver.driverID != VK_DRIVER_ID_MESA_DOZEN && driver.conformanceVersion.major > 0;
+    }
   }
+  VkPhysicalDeviceMemoryBudgetPropertiesEXT budget{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT};
+  const bool has_budget =
+      basic.apiVersion >= VK_API_VERSION_1_1 && offers(vk, physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
+  if (has_budget) {
+    VkPhysicalDeviceMemoryProperties2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2, &budget};
+    vk.GetPhysicalDeviceMemoryProperties2(physical, &all);
+  }
+  limits.memory_bytes = usableBytes(memory, has_budget ? budget.heapBudget : nullptr, info.type);
   lower(limits, limits_at_most);
   info.rejected_because = joined(missingOf(vk, physical, limits));
   return info;
+}
+
+std::size_t chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& select) {
+  std::size_t best = devices.size();
+  std::string reasons;
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const DeviceInfo& info = devices[i];
+    const bool wanted = matches(info, select);
+    if (wanted && info.rejected_because.empty()) {
+      if (best == devices.size() || rank(info) < rank(devices[best])) best = i;
+      continue;
+    }
+    reasons += " [" + std::to_string(info.index) + "] " + info.name + ": " +
+               (wanted ? info.rejected_because : "is not '" + select + "'") + ".";
+  }
+  if (best < devices.size()) return best;
+  throw DeviceError(DeviceErrorCode::NoDevice,
+                    "No Vulkan device fits; choose another with --device or $ROSEFUSION_DEVICE." + reasons);
 }
 
 }  // namespace rosefusion

@@ -20,6 +20,10 @@ DeviceInfo describe(const Commands& vk, VkPhysicalDevice physical, int index,
 /// used.
 std::vector<std::string> missingOf(const Commands& vk, VkPhysicalDevice physical, const DeviceLimits& limits);
 
+/// Position of the best usable one that DeviceOptions::select names. Throws DeviceError (NoDevice) with each
+/// and the reason against it.
+std::size_t chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& select);
+
 /// Extensions that must be enabled where the device offers them.
 std::vector<const char*> extensionsToEnable(const Commands& vk, VkPhysicalDevice physical);
 
