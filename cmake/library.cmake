@@ -9,9 +9,25 @@ if(ROSEFUSION_LOOP_CLOSURE)
   list(APPEND used ceres glog zstd)
 endif()
 set(objects "")
+set(targets "")
 foreach(part ${parts})
   list(APPEND objects $<TARGET_OBJECTS:rosefusion_${part}>)
+  list(APPEND targets rosefusion_${part})
 endforeach()
+# The static library is one object in which only what the shared one exports is global. Else the templates and inline
+# functions of Eigen, glm, OpenCV and the others would be one with the application's, which may have been compiled for
+# other alignments, processors or versions. Elsewhere than with GNU's tools it is the parts' objects as they are.
+set(static_objects ${objects})
+if(CMAKE_OBJCOPY AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang" AND NOT APPLE AND NOT WIN32)
+  set(merged ${PROJECT_BINARY_DIR}/merged.o)
+  set(static_objects ${PROJECT_BINARY_DIR}/rosefusion.o)
+  add_custom_command(OUTPUT ${static_objects}
+    COMMAND ${CMAKE_LINKER} -r --force-group-allocation -o ${merged} ${objects}
+    COMMAND ${CMAKE_OBJCOPY} --localize-hidden --wildcard --keep-global-symbol=_ZN*10rosefusion* --keep-global-symbol=_ZT*N10rosefusion5ErrorE
+            ${merged} ${static_objects}
+    DEPENDS ${targets} ${objects} COMMAND_EXPAND_LISTS VERBATIM)
+  set_source_files_properties(${static_objects} PROPERTIES EXTERNAL_OBJECT ON)
+endif()
 if(BUILD_SHARED_LIBS)
   set(chosen shared)
 else()
@@ -20,12 +36,15 @@ endif()
 
 foreach(kind static shared)
   set(library rosefusion_library_${kind})
-  string(TOUPPER ${kind} type)
   set(only_by_name "")
   if(NOT kind STREQUAL chosen)
     set(only_by_name EXCLUDE_FROM_ALL)
   endif()
-  add_library(${library} ${type} ${objects})
+  if(kind STREQUAL "static")
+    add_library(${library} STATIC ${static_objects})
+  else()
+    add_library(${library} SHARED ${objects})
+  endif()
   set_target_properties(${library} PROPERTIES OUTPUT_NAME rosefusion EXPORT_NAME rosefusion LINKER_LANGUAGE CXX
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_compile_features(${library} INTERFACE cxx_std_20)

@@ -9,6 +9,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # It sees overruns in inlined standard strings that are none (GCC bug 105651 and kin).
   target_compile_options(rosefusion_options INTERFACE -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow
                                                       -Wno-stringop-overread)
+  # Statics of inline functions as weak symbols, which cmake/library.cmake can make local.
+  target_compile_options(rosefusion_options INTERFACE -fno-gnu-unique)
 endif()
 if(ROSEFUSION_WARNINGS_AS_ERRORS)
   target_compile_options(rosefusion_options INTERFACE $<IF:$<CXX_COMPILER_ID:MSVC>,/WX,-Werror>)

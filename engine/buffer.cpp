@@ -4,23 +4,10 @@
 
 #include "engine/buffer_impl.h"
 #include "engine/error.h"
+#include "engine/memory_types.h"
 
 namespace rosefusion {
 namespace {
-
-using Property = vk::MemoryPropertyFlagBits;
-
-constexpr std::uint64_t kSmallUpload = 1 << 16;  // bytes
-
-/// First memory type that has all of `wanted`, else of `needed`; -1 when there is none.
-int memoryType(const vk::PhysicalDeviceMemoryProperties& memory, std::uint32_t allowed,
-               vk::MemoryPropertyFlags needed, vk::MemoryPropertyFlags wanted) {
-  for (const auto flags : {needed | wanted, needed})
-    for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i)
-      if ((allowed >> i & 1u) && (memory.memoryTypes[i].propertyFlags & flags) == flags)
-        return static_cast<int>(i);
-  return -1;
-}
 
 /// Vulkan leaves larger requests undefined, so they are refused before it sees them.
 void requireAtMost(std::uint64_t most, std::uint64_t bytes, const DeviceInfo& device) {
@@ -31,60 +18,62 @@ void requireAtMost(std::uint64_t most, std::uint64_t bytes, const DeviceInfo& de
                         " MiB); make volume.voxel_size larger or depth.max smaller.");
 }
 
+/// Where a heap is too small or full, from the next.
+VkMemoryType allocate(Buffer::Impl& buffer, const VkMemoryRequirements& requirements, Memory use,
+                      const Device::Impl& device, const std::string& doing) {
+  const auto types = memoryTypesFor(use, requirements.size, device.memory, requirements.memoryTypeBits);
+  if (types.empty())
+    throw DeviceError(DeviceErrorCode::MissingLimit, device.info.name + " has no memory type for buffers.");
+  const auto heapBytes = [&](std::uint32_t type) -> std::uint64_t {
+    return device.memory.memoryHeaps[device.memory.memoryTypes[type].heapIndex].size;
+  };
+  requireAtMost(heapBytes(*std::ranges::max_element(types, {}, heapBytes)), requirements.size, device.info);
+  VkResult result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  for (const std::uint32_t type : types) {
+    if (heapBytes(type) < requirements.size) continue;
+    result = buffer.memory.make(device, VkMemoryAllocateInfo{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                                             .allocationSize = requirements.size,
+                                                             .memoryTypeIndex = type});
+    if (result == VK_SUCCESS) return device.memory.memoryTypes[type];
+  }
+  require(result, doing);
+  return {};
+}
+
 }  // namespace
 
 Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Impl) {
   Device::Impl& device = owner.impl();
   requireAtMost(device.info.limits.max_allocation_bytes, bytes, device.info);
   bytes = std::max<std::uint64_t>(16, (bytes + 3) / 4 * 4);
-  try {
-    using Usage = vk::BufferUsageFlagBits;
-    impl_->buffer = {
-        device.device,
-        vk::BufferCreateInfo({}, bytes,
-                             Usage::eStorageBuffer | Usage::eUniformBuffer | Usage::eUniformTexelBuffer |
-                                 Usage::eTransferSrc | Usage::eTransferDst),
-        device.allocator};
-    const auto requirements = impl_->buffer.getMemoryRequirements();
-    const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
-    // Parameters that every invocation reads belong beside the processors; images cross once anyway.
-    const bool beside = memory == Memory::Upload && bytes <= kSmallUpload;
-    const auto allocate = [&](vk::MemoryPropertyFlags needed, vk::MemoryPropertyFlags wanted) {
-      const int type = memoryType(device.memory, requirements.memoryTypeBits, needed, wanted);
-      if (type < 0)
-        throw DeviceError(DeviceErrorCode::MissingLimit,
-                          device.info.name + " has no memory type for buffers.");
-      requireAtMost(device.memory.memoryHeaps[device.memory.memoryTypes[type].heapIndex].size,
-                    requirements.size, device.info);
-      impl_->memory = {device.device,
-                       vk::MemoryAllocateInfo(requirements.size, static_cast<std::uint32_t>(type)),
-                       device.allocator};
-    };
-    if (memory == Memory::Device) {
-      allocate({}, Property::eDeviceLocal);
-    } else if (!beside) {
-      allocate(host, memory == Memory::Readback ? Property::eHostCached : vk::MemoryPropertyFlags());
-    } else {
-      try {
-        allocate(host, Property::eDeviceLocal);
-      } catch (const vk::OutOfDeviceMemoryError&) {
-        allocate(host, {});  // the part of the device's memory that the host sees is small on some
-      }
-    }
-    impl_->buffer.bindMemory(*impl_->memory, 0);
-    if (memory != Memory::Device) impl_->mapped = impl_->memory.mapMemory(0, bytes);
-    // Made with the buffer, not when first bound: copies of it are bound on several threads.
-    const auto view = [&](vk::Format format, std::uint64_t texel_bytes) -> vk::raii::BufferView {
-      const std::uint64_t range = bytes / texel_bytes * texel_bytes;
-      if (bytes / texel_bytes > device.info.limits.max_texels) return nullptr;
-      return {device.device, vk::BufferViewCreateInfo({}, *impl_->buffer, format, 0, range),
-              device.allocator};
-    };
-    impl_->words = view(vk::Format::eR32Uint, 4);
-    impl_->vectors = view(vk::Format::eR32G32B32A32Sfloat, 16);
-  } catch (const vk::SystemError& error) {
-    throwDeviceError(error, "allocating " + std::to_string(bytes >> 20) + " MiB");
-  }
+  const std::string doing = "allocating " + std::to_string(bytes >> 20) + " MiB";
+  impl_->buffer = {
+      device,
+      VkBufferCreateInfo{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+                         .size = bytes,
+                         .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
+                                  VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+                                  VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT},
+      doing};
+  VkMemoryRequirements requirements;
+  device.vk.GetBufferMemoryRequirements(device.device, impl_->buffer, &requirements);
+  const VkMemoryType type = allocate(*impl_, requirements, memory, device, doing);
+  require(device.vk.BindBufferMemory(device.device, impl_->buffer, impl_->memory, 0), doing);
+  impl_->invalidate = !(type.propertyFlags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+  if (memory != Memory::Device)
+    require(device.vk.MapMemory(device.device, impl_->memory, 0, VK_WHOLE_SIZE, 0, &impl_->mapped), doing);
+  // Made with the buffer, not when first bound: copies of it are bound on several threads.
+  const auto view = [&](VkFormat format, std::uint64_t texel_bytes) -> OwnedBufferView {
+    if (bytes / texel_bytes > device.info.limits.max_texels) return {};
+    return {device,
+            VkBufferViewCreateInfo{.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
+                                   .buffer = impl_->buffer,
+                                   .format = format,
+                                   .range = bytes / texel_bytes * texel_bytes},
+            doing};
+  };
+  impl_->words = view(VK_FORMAT_R32_UINT, 4);
+  impl_->vectors = view(VK_FORMAT_R32G32B32A32_SFLOAT, 16);
   impl_->bytes = bytes;
   impl_->device = &device;
   device.allocated_bytes += bytes;
@@ -102,11 +91,17 @@ std::uint64_t Buffer::bytes() const {
 }
 
 VkBuffer_T* Buffer::handle() const {
-  return impl_ ? static_cast<VkBuffer>(*impl_->buffer) : nullptr;
+  return impl_ ? static_cast<VkBuffer>(impl_->buffer) : nullptr;
 }
 
 void* Buffer::mapped() const {
   if (!impl_ || !impl_->mapped) throw DeviceError(DeviceErrorCode::Programming, "This buffer is not mapped.");
+  if (impl_->invalidate) {
+    const VkMappedMemoryRange whole{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE, nullptr, impl_->memory, 0,
+                                    VK_WHOLE_SIZE};
+    require(impl_->device->vk.InvalidateMappedMemoryRanges(impl_->device->device, 1, &whole),
+            "reading a buffer");
+  }
   return impl_->mapped;
 }
 

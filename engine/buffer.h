@@ -14,7 +14,7 @@ namespace rosefusion {
 enum class Memory {
   Device,    ///< fast for shaders; not mapped
   Upload,    ///< mapped and coherent; the host writes, shaders read
-  Readback,  ///< mapped and coherent, cached where possible; shaders write, the host reads
+  Readback,  ///< mapped, cached where possible; shaders write, the host only reads
 };
 
 /// A handle: copies name the same storage, which goes with the last of them and must not outlive its Device.
@@ -33,7 +33,8 @@ class Buffer {
   std::uint64_t bytes() const;
   explicit operator bool() const { return impl_ != nullptr; }
 
-  /// The mapped contents as an array of T. Throws DeviceError (Programming) for Memory::Device.
+  /// The mapped contents as an array of T; of Memory::Readback as they are now, so that it is asked for again
+  /// after each submit. Throws DeviceError (Programming) for Memory::Device.
   template <typename T>
   std::span<T> as() const {
     return {static_cast<T*>(mapped()), bytes() / sizeof(T)};

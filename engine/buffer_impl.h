@@ -8,12 +8,13 @@ namespace rosefusion {
 struct Buffer::Impl {
   Device::Impl* device = nullptr;
   std::uint64_t bytes = 0;
-  vk::raii::DeviceMemory memory = nullptr;  // before the buffer, which is destroyed first
-  vk::raii::Buffer buffer = nullptr;
+  OwnedMemory memory;  // before the buffer, which is destroyed first
+  OwnedBuffer buffer;
   void* mapped = nullptr;
+  bool invalidate = false;  // before the host reads: the memory is not coherent
   // Its texels, read only; null where they are more than a texel buffer holds.
-  vk::raii::BufferView words = nullptr;
-  vk::raii::BufferView vectors = nullptr;  // four floats each
+  OwnedBufferView words;
+  OwnedBufferView vectors;  // four floats each
   ~Impl() {
     if (device) device->allocated_bytes -= bytes;
   }

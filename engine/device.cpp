@@ -7,6 +7,7 @@
 #include "engine/error.h"
 #include "engine/physical_device.h"
 #include "engine/shared_library.h"
+#include "engine/vulkan.h"
 
 namespace rosefusion {
 namespace {
@@ -21,6 +22,7 @@ std::unique_ptr<Device::Impl> openLoader() {
       if (void* entry = functionOf(library, "vkGetInstanceProcAddr")) {
         auto impl = std::make_unique<Device::Impl>(reinterpret_cast<PFN_vkGetInstanceProcAddr>(entry));
         impl->loader = library;
+        impl->owns_handles = true;
         return impl;
       }
   throw DeviceError(DeviceErrorCode::NoDriver,
@@ -28,11 +30,17 @@ std::unique_ptr<Device::Impl> openLoader() {
                     "mesa-vulkan-drivers, which also runs without a GPU.");
 }
 
-vk::raii::Instance makeInstance(const vk::raii::Context& context, bool validation) {
-  const vk::ApplicationInfo application("rosefusion", 1, "rosefusion", 1, VK_API_VERSION_1_1);
+void makeInstance(Device::Impl& d, bool validation) {
+  const DeviceRequirements needs = deviceRequirements();
+  std::uint32_t version = VK_API_VERSION_1_0;  // whose loaders do not know the command
+  if (d.vk.EnumerateInstanceVersion) d.vk.EnumerateInstanceVersion(&version);
+  if (version < needs.api_version)
+    throw DeviceError(DeviceErrorCode::NoDriver,
+                      "The Vulkan loader here offers Vulkan " + versionText(version) + ", rosefusion needs " +
+                          versionText(needs.api_version) + "; install a newer libvulkan1.");
   std::vector<const char*> layers, extensions;
   if (validation) {
-    const auto present = context.enumerateInstanceLayerProperties();
+    const auto present = enumerate<VkLayerProperties>(d.vk.EnumerateInstanceLayerProperties);
     if (std::none_of(present.begin(), present.end(),
                      [](const auto& l) { return std::strcmp(l.layerName, kValidationLayer) == 0; }))
       throw DeviceError(DeviceErrorCode::NoDriver, std::string(kValidationLayer) +
@@ -41,31 +49,35 @@ vk::raii::Instance makeInstance(const vk::raii::Context& context, bool validatio
     layers.push_back(kValidationLayer);
     extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
   }
-  const DeviceRequirements needs = deviceRequirements();
-  vk::InstanceCreateFlags flags;
-  for (const auto& extension : context.enumerateInstanceExtensionProperties())
+  const VkApplicationInfo application{
+      VK_STRUCTURE_TYPE_APPLICATION_INFO, nullptr, "rosefusion", 1, "rosefusion", 1, needs.api_version};
+  VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                            .pApplicationInfo = &application};
+  for (const auto& extension :
+       enumerate<VkExtensionProperties>(d.vk.EnumerateInstanceExtensionProperties, nullptr))
     if (std::strcmp(extension.extensionName, needs.instance_extension_where_offered) == 0) {
       extensions.push_back(needs.instance_extension_where_offered);
-      flags = vk::InstanceCreateFlags(needs.instance_flag_with_it);
+      info.flags = needs.instance_flag_with_it;
     }
-  try {
-    return {context, vk::InstanceCreateInfo(flags, &application, layers, extensions)};
-  } catch (const vk::SystemError&) {
+  info.enabledLayerCount = static_cast<std::uint32_t>(layers.size());
+  info.ppEnabledLayerNames = layers.data();
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
+  if (d.vk.CreateInstance(&info, nullptr, &d.instance) != VK_SUCCESS) {
+    d.instance = nullptr;
     throw DeviceError(
         DeviceErrorCode::NoDriver,
         "No Vulkan driver is installed; install the one of your GPU, or mesa-vulkan-drivers, which "
         "also runs without a GPU.");
   }
+  d.vk.loadFor(d.instance);
 }
 
 /// A driver without its hardware makes the loader fail, no driver at all makes the list empty: both mean the
 /// same here.
-std::vector<vk::raii::PhysicalDevice> physicalDevices(const vk::raii::Instance& instance) {
-  try {
-    vk::raii::PhysicalDevices found(instance);
-    if (!found.empty()) return found;
-  } catch (const vk::SystemError&) {
-  }
+std::vector<VkPhysicalDevice> physicalDevices(const Device::Impl& d) {
+  auto found = enumerate<VkPhysicalDevice>(d.vk.EnumeratePhysicalDevices, d.instance);
+  if (!found.empty()) return found;
   throw DeviceError(DeviceErrorCode::NoDriver,
                     "No installed Vulkan driver finds a device; install the driver of your "
                     "GPU, or mesa-vulkan-drivers, which also runs without a GPU.");
@@ -80,43 +92,32 @@ VKAPI_ATTR VkBool32 VKAPI_CALL keepMessage(VkDebugUtilsMessageSeverityFlagBitsEX
   return VK_FALSE;
 }
 
-std::string lowered(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
+void listen(Device::Impl& d) {
+  const VkDebugUtilsMessengerCreateInfoEXT info{
+      .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+      .messageSeverity =
+          VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+      .messageType =
+          VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
+      .pfnUserCallback = keepMessage,
+      .pUserData = &d.validation_messages};
+  require(d.vk.CreateDebugUtilsMessengerEXT(d.instance, &info, nullptr, &d.messenger),
+          "listening to the validation layer");
 }
 
-bool matches(const DeviceInfo& info, const std::string& select) {
-  if (select.empty()) return true;
-  if (std::all_of(select.begin(), select.end(), [](unsigned char c) { return std::isdigit(c); }))
-    return info.index == std::atoi(select.c_str());
-  return lowered(select) == toString(info.type) ||
-         lowered(info.name).find(lowered(select)) != std::string::npos;
-}
-
-/// Index of the best usable device that matches; throws with each device and the reason against it otherwise.
-std::size_t choose(const std::vector<DeviceInfo>& devices, const std::string& select) {
-  std::size_t best = devices.size();
-  std::string reasons;
-  for (std::size_t i = 0; i < devices.size(); ++i) {
-    const DeviceInfo& info = devices[i];
-    const bool wanted = matches(info, select);
-    if (wanted && info.rejected_because.empty()) {
-      if (best == devices.size() || info.type < devices[best].type) best = i;
-      continue;
-    }
-    reasons += " [" + std::to_string(info.index) + "] " + info.name + ": " +
-               (wanted ? info.rejected_because : "is not '" + select + "'") + ".";
-  }
-  if (best < devices.size()) return best;
-  throw DeviceError(DeviceErrorCode::NoDevice,
-                    "No Vulkan device fits; choose another with --device or $ROSEFUSION_DEVICE." + reasons);
-}
-
-vk::raii::Device makeDevice(const vk::raii::PhysicalDevice& physical, std::uint32_t family) {
+void makeDevice(Device::Impl& d, std::uint32_t family, std::string_view doing) {
   const float priority = 1;
-  const vk::DeviceQueueCreateInfo queue({}, family, 1, &priority);
-  const auto extensions = extensionsToEnable(physical);
-  return {physical, vk::DeviceCreateInfo({}, queue, {}, extensions)};
+  const VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                      .queueFamilyIndex = family,
+                                      .queueCount = 1,
+                                      .pQueuePriorities = &priority};
+  const auto extensions = extensionsToEnable(d.vk, d.physical);
+  const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                .queueCreateInfoCount = 1,
+                                .pQueueCreateInfos = &queue,
+                                .enabledExtensionCount = static_cast<std::uint32_t>(extensions.size()),
+                                .ppEnabledExtensionNames = extensions.data()};
+  require(d.vk.CreateDevice(d.physical, &info, nullptr, &d.device), doing);
 }
 
 }  // namespace
@@ -137,76 +138,76 @@ const char* toString(DeviceType type) {
   return "other";
 }
 
-void throwDeviceError(const vk::SystemError& error, const std::string& doing) {
-  const auto result = static_cast<vk::Result>(error.code().value());
-  if (result == vk::Result::eErrorOutOfDeviceMemory || result == vk::Result::eErrorOutOfHostMemory)
+void require(VkResult result, std::string_view doing) {
+  if (result == VK_SUCCESS) return;
+  if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY)
     throw DeviceError(
         DeviceErrorCode::OutOfMemory,
-        "Device memory is exhausted while " + doing +
+        "Device memory is exhausted while " + std::string(doing) +
             "; make volume.voxel_size larger, depth.max smaller, or close other programs on the GPU.");
-  if (result == vk::Result::eErrorDeviceLost)
+  if (result == VK_ERROR_DEVICE_LOST)
     throw DeviceError(DeviceErrorCode::DeviceLost,
-                      "The driver lost the device while " + doing +
+                      "The driver lost the device while " + std::string(doing) +
                           "; look for a GPU reset in the system log and update the driver.");
   throw DeviceError(DeviceErrorCode::Programming,
-                    "Vulkan refused " + doing + " (" + vk::to_string(result) + ").");
+                    "Vulkan refused " + std::string(doing) + " (VkResult " + std::to_string(result) + ").");
 }
 
 std::vector<DeviceInfo> listDevices(const DeviceLimits& limits_at_most) {
   const auto impl = openLoader();
-  impl->instance = makeInstance(impl->context, false);
+  makeInstance(*impl, false);
   std::vector<DeviceInfo> devices;
-  for (const auto& physical : physicalDevices(impl->instance))
-    devices.push_back(describe(physical, static_cast<int>(devices.size()), limits_at_most));
+  for (const VkPhysicalDevice physical : physicalDevices(*impl))
+    devices.push_back(describe(impl->vk, physical, static_cast<int>(devices.size()), limits_at_most));
   return devices;
 }
 
-void Device::Impl::open(std::uint32_t family, vk::Queue caller_queue) {
-  memory = physical.getMemoryProperties();
-  queue_family = family;
-  queue = caller_queue ? vk::raii::Queue(device, caller_queue) : device.getQueue(family, 0);
-  if (pipeline_cache) return;
-  own_pipeline_cache = {device, vk::PipelineCacheCreateInfo(), allocator};
-  pipeline_cache = *own_pipeline_cache;
+Device::Impl::~Impl() {
+  own_pipeline_cache = {};
+  if (!owns_handles) return;
+  if (device) vk.DestroyDevice(device, nullptr);
+  if (messenger) vk.DestroyDebugUtilsMessengerEXT(instance, messenger, nullptr);
+  if (instance) vk.DestroyInstance(instance, nullptr);
 }
 
-void Device::Impl::submit(const vk::SubmitInfo& work, vk::Fence fence) {
+void Device::Impl::open(std::uint32_t family, VkQueue callers_queue, std::string_view doing) {
+  vk.loadFor(device);
+  vk.GetPhysicalDeviceMemoryProperties(physical, &memory);
+  queue_family = family;
+  queue = callers_queue;
+  if (!queue) vk.GetDeviceQueue(device, family, 0, &queue);
+  if (pipeline_cache) return;
+  own_pipeline_cache = {
+      *this, VkPipelineCacheCreateInfo{.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO}, doing};
+  pipeline_cache = own_pipeline_cache;
+}
+
+VkResult Device::Impl::submit(const VkSubmitInfo& work, VkFence fence) {
   const std::lock_guard ours(queue_mutex);
   if (lock_queue) lock_queue();
   const std::shared_ptr<void> theirs(nullptr, [&](void*) {
     if (unlock_queue) unlock_queue();
   });
-  queue.submit(work, fence);
+  return vk.QueueSubmit(queue, 1, &work, fence);
 }
 
 Device::Device(const DeviceOptions& options) : impl_(openLoader()) {
   Impl& d = *impl_;
-  d.instance = makeInstance(d.context, options.validation);
-  if (options.validation) {
-    using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
-    using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
-    d.messenger = {d.instance, vk::DebugUtilsMessengerCreateInfoEXT({}, Severity::eWarning | Severity::eError,
-                                                                    Type::eValidation | Type::ePerformance,
-                                                                    keepMessage, &d.validation_messages)};
-  }
+  makeInstance(d, options.validation);
+  if (options.validation) listen(d);
   std::vector<DeviceInfo> infos;
-  std::vector<vk::raii::PhysicalDevice> physicals;
-  for (auto& physical : physicalDevices(d.instance)) {
-    infos.push_back(describe(physical, static_cast<int>(infos.size()), options.limits_at_most));
-    physicals.push_back(std::move(physical));
-  }
+  const auto physicals = physicalDevices(d);
+  for (const VkPhysicalDevice physical : physicals)
+    infos.push_back(describe(d.vk, physical, static_cast<int>(infos.size()), options.limits_at_most));
   const char* environment = std::getenv("ROSEFUSION_DEVICE");
   const std::size_t chosen =
-      choose(infos, options.select.empty() && environment ? environment : options.select);
-  d.physical = std::move(physicals[chosen]);
+      chooseDevice(infos, options.select.empty() && environment ? environment : options.select);
+  d.physical = physicals[chosen];
   d.info = infos[chosen];
-  const auto family = static_cast<std::uint32_t>(computeQueueFamily(d.physical));
-  try {
-    d.device = makeDevice(d.physical, family);
-    d.open(family, nullptr);
-  } catch (const vk::SystemError& error) {
-    throwDeviceError(error, "opening the device " + d.info.name);
-  }
+  const auto family = static_cast<std::uint32_t>(computeQueueFamily(d.vk, d.physical));
+  const std::string doing = "opening the device " + d.info.name;
+  makeDevice(d, family, doing);
+  d.open(family, nullptr, doing);
 }
 
 Device::~Device() = default;

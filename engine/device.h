@@ -18,8 +18,10 @@ struct DeviceLimits {
   std::uint32_t max_workgroup_count_x = 0;
   std::uint32_t max_push_constant_bytes = 0;
   std::uint32_t max_shared_memory_bytes = 0;
-  std::uint32_t subgroup_size = 0;         ///< reported only; no pass depends on it
-  std::uint64_t memory_bytes = 0;          ///< largest device-local heap
+  std::uint32_t subgroup_size = 0;  ///< reported only; no pass depends on it
+  /// That buffers can fill: of the device's own heaps, or of all where it shares the host's memory; no more
+  /// than what other programs leave, where the driver knows (VK_EXT_memory_budget).
+  std::uint64_t memory_bytes = 0;
   std::uint64_t max_allocation_bytes = 0;  ///< of one buffer
 };
 
@@ -29,6 +31,7 @@ struct DeviceInfo {
   std::string driver;
   std::string api_version;
   DeviceType type = DeviceType::Other;
+  bool conformant = true;  ///< false: the driver says that it does not pass Vulkan's tests
   DeviceLimits limits;
   std::string rejected_because;  ///< empty when rosefusion can run on it
   /// Whether shaders read through texel buffers: on software devices, where llvmpipe is much faster so, and
@@ -42,7 +45,8 @@ std::vector<DeviceInfo> listDevices(const DeviceLimits& limits_at_most = {});
 
 struct DeviceOptions {
   /// Index, part of the name (any case), or type (discrete, integrated, virtual, cpu). Empty:
-  /// $ROSEFUSION_DEVICE if set, else the best type present, a hardware GPU before the CPU.
+  /// $ROSEFUSION_DEVICE if set, else the best type present, a hardware GPU before the CPU; before all, one
+  /// whose driver is conformant.
   std::string select;
   bool validation = false;  ///< load VK_LAYER_KHRONOS_validation; its absence is a DeviceError
   /// Non-zero values make the device report no more than that: tests see what smaller devices would do.

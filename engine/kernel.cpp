@@ -29,14 +29,14 @@ void requireMatch(const ShaderInterface& shader, const ShaderCode& code, std::ui
 
 }  // namespace
 
-vk::DescriptorType descriptorType(BindingKind kind) {
+VkDescriptorType descriptorType(BindingKind kind) {
   switch (kind) {
     case BindingKind::Storage:
-      return vk::DescriptorType::eStorageBuffer;
+      return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     case BindingKind::Uniform:
-      return vk::DescriptorType::eUniformBuffer;
+      return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
     default:
-      return vk::DescriptorType::eUniformTexelBuffer;
+      return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
   }
 }
 
@@ -49,39 +49,51 @@ Kernel::Kernel(Device& owner, const ShaderCode& code, std::uint32_t bindings, st
     : impl_(new Impl) {
   const ShaderInterface shader = reflect(code);
   requireMatch(shader, code, bindings, push_bytes, owner.info());
-  Device::Impl& device = owner.impl();
+  const Device::Impl& device = owner.impl();
   impl_->name = code.name;
   for (const ShaderBinding& binding : shader.bindings) impl_->kinds.push_back(binding.kind);
   impl_->push_bytes = push_bytes;
   impl_->workgroup = shader.workgroup;
-  try {
-    std::vector<vk::DescriptorSetLayoutBinding> set;
-    for (std::uint32_t i = 0; i < bindings; ++i)
-      set.emplace_back(i, descriptorType(impl_->kinds[i]), 1, vk::ShaderStageFlagBits::eCompute);
-    impl_->set_layout = {device.device, vk::DescriptorSetLayoutCreateInfo({}, set), device.allocator};
-    const vk::PushConstantRange push(vk::ShaderStageFlagBits::eCompute, 0, push_bytes);
-    vk::PipelineLayoutCreateInfo layout({}, *impl_->set_layout);
-    if (push_bytes > 0) layout.setPushConstantRanges(push);
-    impl_->pipeline_layout = {device.device, layout, device.allocator};
+  const std::string doing = "building the shader " + impl_->name;
 
-    const vk::raii::ShaderModule module(
-        device.device, vk::ShaderModuleCreateInfo({}, code.words.size_bytes(), code.words.data()),
-        device.allocator);
-    std::vector<vk::SpecializationMapEntry> entries;
-    for (std::uint32_t i = 0; i < constants.size(); ++i) entries.emplace_back(i, 4 * i, 4);
-    const vk::SpecializationInfo specialisation(static_cast<std::uint32_t>(entries.size()), entries.data(),
-                                                4 * constants.size(), constants.data());
-    const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
-                                                  &specialisation);
-    // Not by the RAII class, which takes only a cache of its own kind.
-    const vk::ComputePipelineCreateInfo pipeline({}, stage, *impl_->pipeline_layout);
-    const auto made = (*device.device)
-                          .createComputePipeline(device.pipeline_cache, pipeline, device.allocator,
-                                                 *device.device.getDispatcher());
-    impl_->pipeline = {device.device, made.value, device.allocator};
-  } catch (const vk::SystemError& error) {
-    throwDeviceError(error, "building the shader " + impl_->name);
-  }
+  std::vector<VkDescriptorSetLayoutBinding> set;
+  for (std::uint32_t i = 0; i < bindings; ++i)
+    set.push_back({i, descriptorType(impl_->kinds[i]), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+  impl_->set_layout = {
+      device,
+      VkDescriptorSetLayoutCreateInfo{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                      .bindingCount = bindings,
+                                      .pBindings = set.data()},
+      doing};
+  const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes};
+  impl_->pipeline_layout = {device,
+                            VkPipelineLayoutCreateInfo{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                                       .setLayoutCount = 1,
+                                                       .pSetLayouts = impl_->set_layout.address(),
+                                                       .pushConstantRangeCount = push_bytes > 0 ? 1u : 0u,
+                                                       .pPushConstantRanges = &push},
+                            doing};
+
+  const OwnedShaderModule module(
+      device,
+      VkShaderModuleCreateInfo{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                               .codeSize = code.words.size_bytes(),
+                               .pCode = code.words.data()},
+      doing);
+  std::vector<VkSpecializationMapEntry> entries;
+  for (std::uint32_t i = 0; i < constants.size(); ++i) entries.push_back({i, 4 * i, 4});
+  const VkSpecializationInfo specialisation{static_cast<std::uint32_t>(entries.size()), entries.data(),
+                                            4 * constants.size(), constants.data()};
+  const VkPipelineShaderStageCreateInfo stage{.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                                              .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+                                              .module = module,
+                                              .pName = "main",
+                                              .pSpecializationInfo = &specialisation};
+  impl_->pipeline = {device,
+                     VkComputePipelineCreateInfo{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+                                                 .stage = stage,
+                                                 .layout = impl_->pipeline_layout},
+                     doing};
 }
 
 Kernel::Kernel() = default;

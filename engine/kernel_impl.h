@@ -8,16 +8,16 @@
 
 namespace rosefusion {
 
-vk::DescriptorType descriptorType(BindingKind kind);
+VkDescriptorType descriptorType(BindingKind kind);
 
 struct Kernel::Impl {
   std::string name;
   std::vector<BindingKind> kinds;  // of the bindings 0, 1, ...
   std::uint32_t push_bytes = 0;
   std::array<std::uint32_t, 3> workgroup{1, 1, 1};
-  vk::raii::DescriptorSetLayout set_layout = nullptr;
-  vk::raii::PipelineLayout pipeline_layout = nullptr;
-  vk::raii::Pipeline pipeline = nullptr;
+  OwnedSetLayout set_layout;
+  OwnedPipelineLayout pipeline_layout;
+  OwnedPipeline pipeline;
 };
 
 }  // namespace rosefusion

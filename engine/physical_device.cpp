@@ -1,24 +1,29 @@
 #include "engine/physical_device.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "engine/error.h"
+#include "engine/memory_types.h"
 
 namespace rosefusion {
 namespace {
 
 constexpr const char* kPortabilitySubset = "VK_KHR_portability_subset";
+constexpr int kMesaDozen =
+    23;  // VK_DRIVER_ID_MESA_DOZEN, since headers 1.3.226: Vulkan on Direct3D 12, as in WSL
 
-DeviceType typeOf(vk::PhysicalDeviceType type) {
+DeviceType typeOf(VkPhysicalDeviceType type) {
   switch (type) {
-    case vk::PhysicalDeviceType::eDiscreteGpu:
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
       return DeviceType::Discrete;
-    case vk::PhysicalDeviceType::eIntegratedGpu:
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
       return DeviceType::Integrated;
-    case vk::PhysicalDeviceType::eVirtualGpu:
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
       return DeviceType::Virtual;
-    case vk::PhysicalDeviceType::eCpu:
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
       return DeviceType::Cpu;
     default:
       return DeviceType::Other;
@@ -39,10 +44,28 @@ void lower(DeviceLimits& limits, const DeviceLimits& at_most) {
   apply(limits.max_allocation_bytes, at_most.max_allocation_bytes);
 }
 
-bool offers(const vk::raii::PhysicalDevice& physical, const char* extension) {
-  const auto all = physical.enumerateDeviceExtensionProperties();
+bool offers(const Commands& vk, VkPhysicalDevice physical, const char* extension) {
+  const auto all = enumerate<VkExtensionProperties>(vk.EnumerateDeviceExtensionProperties, physical, nullptr);
   return std::any_of(all.begin(), all.end(),
                      [&](const auto& e) { return std::strcmp(e.extensionName, extension) == 0; });
+}
+
+std::string lowered(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+bool matches(const DeviceInfo& info, const std::string& select) {
+  if (select.empty()) return true;
+  if (std::all_of(select.begin(), select.end(), [](unsigned char c) { return std::isdigit(c); }))
+    return info.index == std::atoi(select.c_str());
+  return lowered(select) == toString(info.type) ||
+         lowered(info.name).find(lowered(select)) != std::string::npos;
+}
+
+/// Less is better: what a driver says that it does not do as Vulkan asks comes after all the rest.
+std::pair<bool, DeviceType> rank(const DeviceInfo& info) {
+  return {!info.conformant, info.type};
 }
 
 }  // namespace
@@ -70,28 +93,35 @@ std::string joined(std::span<const std::string> clauses) {
   return text;
 }
 
-int computeQueueFamily(const vk::raii::PhysicalDevice& physical) {
-  const vk::QueueFlags needed(deviceRequirements().queue_flags);
-  const auto families = physical.getQueueFamilyProperties();
+std::vector<VkQueueFamilyProperties> queueFamilies(const Commands& vk, VkPhysicalDevice physical) {
+  return enumerate<VkQueueFamilyProperties>(vk.GetPhysicalDeviceQueueFamilyProperties, physical);
+}
+
+int computeQueueFamily(const Commands& vk, VkPhysicalDevice physical) {
+  const VkQueueFlags needed = deviceRequirements().queue_flags;
+  const auto families = queueFamilies(vk, physical);
   for (std::size_t i = 0; i < families.size(); ++i)
     if ((families[i].queueFlags & needed) == needed) return static_cast<int>(i);
   return -1;
 }
 
-std::vector<const char*> extensionsToEnable(const vk::raii::PhysicalDevice& physical) {
+std::vector<const char*> extensionsToEnable(const Commands& vk, VkPhysicalDevice physical) {
   std::vector<const char*> names = deviceRequirements().extensions_where_offered;
-  std::erase_if(names, [&](const char* name) { return !offers(physical, name); });
+  std::erase_if(names, [&](const char* name) { return !offers(vk, physical, name); });
   return names;
 }
 
-std::vector<std::string> missingOf(const vk::raii::PhysicalDevice& physical, const DeviceLimits& has) {
+std::vector<std::string> missingOf(const Commands& vk, VkPhysicalDevice physical, const DeviceLimits& has) {
   const DeviceRequirements needs = deviceRequirements();
-  const std::uint32_t version = physical.getProperties().apiVersion;
+  VkPhysicalDeviceProperties basic;
+  vk.GetPhysicalDeviceProperties(physical, &basic);
+  const std::uint32_t version = basic.apiVersion;
   std::vector<std::string> missing;
   if (version < needs.api_version)
     missing.push_back("it offers Vulkan " + versionText(version) + ", rosefusion needs " +
-                      versionText(needs.api_version));
-  if (computeQueueFamily(physical) < 0) missing.push_back("it has no compute queue");
+                      versionText(needs.api_version) +
+                      ", which a newer driver may offer (for many GPUs the package mesa-vulkan-drivers)");
+  if (computeQueueFamily(vk, physical) < 0) missing.push_back("it has no compute queue");
   const auto compare = [&](const char* what, std::uint64_t have, std::uint64_t need) {
     if (have < need)
       missing.push_back(std::string(what) + " is " + std::to_string(have) + ", rosefusion needs " +
@@ -106,11 +136,13 @@ std::vector<std::string> missingOf(const vk::raii::PhysicalDevice& physical, con
   return missing;
 }
 
-DeviceInfo describe(const vk::raii::PhysicalDevice& physical, int index, const DeviceLimits& limits_at_most) {
+DeviceInfo describe(const Commands& vk, VkPhysicalDevice physical, int index,
+                    const DeviceLimits& limits_at_most) {
   DeviceInfo info;
   info.index = index;
-  const auto basic = physical.getProperties();
-  info.name = basic.deviceName.data();
+  VkPhysicalDeviceProperties basic;
+  vk.GetPhysicalDeviceProperties(physical, &basic);
+  info.name = basic.deviceName;
   info.type = typeOf(basic.deviceType);
   info.api_version = versionText(basic.apiVersion);
   info.driver = "version " + std::to_string(basic.driverVersion);
@@ -123,27 +155,55 @@ DeviceInfo describe(const vk::raii::PhysicalDevice& physical, int index, const D
   limits.max_workgroup_count_x = basic.limits.maxComputeWorkGroupCount[0];
   limits.max_push_constant_bytes = basic.limits.maxPushConstantsSize;
   limits.max_shared_memory_bytes = basic.limits.maxComputeSharedMemorySize;
-  const auto memory = physical.getMemoryProperties();
-  for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i)
-    if (memory.memoryHeaps[i].flags & vk::MemoryHeapFlagBits::eDeviceLocal)
-      limits.memory_bytes = std::max<std::uint64_t>(limits.memory_bytes, memory.memoryHeaps[i].size);
+  VkPhysicalDeviceMemoryProperties memory;
+  vk.GetPhysicalDeviceMemoryProperties(physical, &memory);
   if (basic.apiVersion >= VK_API_VERSION_1_1) {
-    const auto chain =
-        physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties,
-                                vk::PhysicalDeviceMaintenance3Properties>();
-    limits.subgroup_size = chain.get<vk::PhysicalDeviceSubgroupProperties>().subgroupSize;
-    limits.max_allocation_bytes =
-        chain.get<vk::PhysicalDeviceMaintenance3Properties>().maxMemoryAllocationSize;
+    // Devices of 1.1 do not know the last struct.
+    VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+    const bool names_driver = basic.apiVersion >= VK_API_VERSION_1_2;
+    VkPhysicalDeviceMaintenance3Properties sizes{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
+                                                 names_driver ? &driver : nullptr};
+    VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
+                                                &sizes};
+    VkPhysicalDeviceProperties2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup};
+    vk.GetPhysicalDeviceProperties2(physical, &all);
+    limits.subgroup_size = subgroup.subgroupSize;
+    limits.max_allocation_bytes = sizes.maxMemoryAllocationSize;
+    if (names_driver) {
+      info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
+      info.conformant = driver.driverID != VK_DRIVER_ID_MESA_DOZEN && driver.conformanceVersion.major > 0;
+    }
   }
-  if (basic.apiVersion >= VK_API_VERSION_1_2) {
-    const auto chain =
-        physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
-    const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
-    info.driver = std::string(driver.driverName.data()) + " " + driver.driverInfo.data();
+  VkPhysicalDeviceMemoryBudgetPropertiesEXT budget{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT};
+  const bool has_budget =
+      basic.apiVersion >= VK_API_VERSION_1_1 && offers(vk, physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
+  if (has_budget) {
+    VkPhysicalDeviceMemoryProperties2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2, &budget};
+    vk.GetPhysicalDeviceMemoryProperties2(physical, &all);
   }
+  limits.memory_bytes = usableBytes(memory, has_budget ? budget.heapBudget : nullptr, info.type);
   lower(limits, limits_at_most);
-  info.rejected_because = joined(missingOf(physical, limits));
+  info.rejected_because = joined(missingOf(vk, physical, limits));
   return info;
+}
+
+std::size_t chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& select) {
+  std::size_t best = devices.size();
+  std::string reasons;
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const DeviceInfo& info = devices[i];
+    const bool wanted = matches(info, select);
+    if (wanted && info.rejected_because.empty()) {
+      if (best == devices.size() || rank(info) < rank(devices[best])) best = i;
+      continue;
+    }
+    reasons += " [" + std::to_string(info.index) + "] " + info.name + ": " +
+               (wanted ? info.rejected_because : "is not '" + select + "'") + ".";
+  }
+  if (best < devices.size()) return best;
+  throw DeviceError(DeviceErrorCode::NoDevice,
+                    "No Vulkan device fits; choose another with --device or $ROSEFUSION_DEVICE." + reasons);
 }
 
 }  // namespace rosefusion

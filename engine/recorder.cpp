@@ -14,8 +14,12 @@ constexpr std::uint32_t kSetsPerSubmit = 256;
 constexpr std::uint32_t kDescriptorsPerSubmit = kSetsPerSubmit * 20;
 constexpr std::chrono::microseconds kSoon(1000);  // most submits of a search end within
 
+VkBufferImageCopy wholeImage(VkImageAspectFlags aspect, std::uint32_t width, std::uint32_t height) {
+  return {.imageSubresource = {aspect, 0, 0, 1}, .imageExtent = {width, height, 1}};
+}
+
 bool readsTexels(BindingKind kind) {
-  return descriptorType(kind) == vk::DescriptorType::eUniformTexelBuffer;
+  return descriptorType(kind) == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
 }
 
 void requireInside(const Buffer& buffer, std::uint64_t offset, std::uint64_t bytes) {
@@ -26,29 +30,29 @@ void requireInside(const Buffer& buffer, std::uint64_t offset, std::uint64_t byt
 
 struct Recorder::Impl {
   Device::Impl& device;
-  vk::raii::CommandPool command_pool = nullptr;  // one each, so that recorders may work on several threads
-  vk::raii::CommandBuffer own_commands = nullptr;
-  vk::CommandBuffer commands;  // own_commands, or the caller's
-  vk::raii::DescriptorPool pool = nullptr;
-  vk::raii::Fence fence = nullptr;
+  OwnedCommandPool command_pool;  // one each, so that recorders may work on several threads
+  VkCommandBuffer own_commands = nullptr;
+  VkCommandBuffer commands = nullptr;  // own_commands, or the caller's
+  OwnedDescriptorPool pool;
+  OwnedFence fence;
   std::uint32_t sets_used = 0;  // freed with the pool's reset
   bool recording = false;
-  std::vector<Buffer> held;  // what the caller's command buffer uses
+  std::vector<Buffer> held;  // what the recorded commands use
 
-  const vk::raii::DeviceDispatcher& vulkan() const { return *device.device.getDispatcher(); }
-  bool isCallers() const { return commands != *own_commands; }
+  const Commands& vk() const { return device.vk; }
+  bool isCallers() const { return commands != own_commands; }
   void begin() {
     if (recording) return;
-    if (!isCallers())
-      own_commands.begin(vk::CommandBufferBeginInfo(vk::CommandBufferUsageFlagBits::eOneTimeSubmit));
+    const VkCommandBufferBeginInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+                                        .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
+    if (!isCallers()) require(vk().BeginCommandBuffer(own_commands, &info), "beginning a command buffer");
     recording = true;
   }
   void hold(std::initializer_list<const Buffer*> buffers) {
-    if (isCallers())
-      for (const Buffer* buffer : buffers) held.push_back(*buffer);
+    for (const Buffer* buffer : buffers) held.push_back(*buffer);
   }
   void letGo() {
-    pool.reset();
+    (void)vk().ResetDescriptorPool(device.device, pool, 0);  // cannot fail
     sets_used = 0;
     held.clear();
   }
@@ -58,23 +62,21 @@ struct Recorder::Impl {
     if (device.info.type == DeviceType::Cpu) return false;
     const auto end = std::chrono::steady_clock::now() + kSoon;
     while (std::chrono::steady_clock::now() < end)
-      if (fence.getStatus() == vk::Result::eSuccess) return true;
+      if (vk().GetFenceStatus(device.device, fence) == VK_SUCCESS) return true;
     return false;
   }
   void barrier() {
-    using Stage = vk::PipelineStageFlagBits;
-    using Access = vk::AccessFlagBits;
-    makeVisible(Stage::eComputeShader | Stage::eTransfer, Access::eShaderRead | Access::eUniformRead |
-                                                              Access::eShaderWrite | Access::eTransferRead |
-                                                              Access::eTransferWrite);
+    makeVisible(VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
+                VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_UNIFORM_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
+                    VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT);
     if (isCallers()) showHost();  // who knows after which command the caller looks
   }
-  void showHost() { makeVisible(vk::PipelineStageFlagBits::eHost, vk::AccessFlagBits::eHostRead); }
-  void makeVisible(vk::PipelineStageFlags stages, vk::AccessFlags to) {
-    using Stage = vk::PipelineStageFlagBits;
-    using Access = vk::AccessFlagBits;
-    const vk::MemoryBarrier written(Access::eShaderWrite | Access::eTransferWrite, to);
-    commands.pipelineBarrier(Stage::eComputeShader | Stage::eTransfer, stages, {}, written, {}, {}, vulkan());
+  void showHost() { makeVisible(VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT); }
+  void makeVisible(VkPipelineStageFlags stages, VkAccessFlags to) {
+    const VkMemoryBarrier written{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr,
+                                  VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT, to};
+    vk().CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
+                            stages, 0, 1, &written, 0, nullptr, 0, nullptr);
   }
   void bind(const Kernel::Impl& kernel, std::span<const Buffer* const> buffers, const void* push,
             std::uint32_t push_bytes) {
@@ -86,11 +88,11 @@ struct Recorder::Impl {
       if (!buffer || !*buffer)
         throw DeviceError(DeviceErrorCode::Programming,
                           "Kernel " + kernel.name + " was given an empty buffer.");
-    std::vector<vk::BufferView> views(buffers.size());
+    std::vector<VkBufferView> views(buffers.size());
     for (std::size_t i = 0; i < buffers.size(); ++i) {
       if (!readsTexels(kernel.kinds[i])) continue;
       const Buffer::Impl& buffer = buffers[i]->impl();
-      views[i] = *(kernel.kinds[i] == BindingKind::WordTexels ? buffer.words : buffer.vectors);
+      views[i] = kernel.kinds[i] == BindingKind::WordTexels ? buffer.words : buffer.vectors;
       if (!views[i])
         throw DeviceError(DeviceErrorCode::Programming,
                           "Kernel " + kernel.name + " was given a buffer too large for the device's texels.");
@@ -99,53 +101,61 @@ struct Recorder::Impl {
       throw DeviceError(DeviceErrorCode::Programming,
                         "More than " + std::to_string(kSetsPerSubmit) + " dispatches in one submit.");
     begin();
-    const vk::DescriptorSetLayout layout = *kernel.set_layout;
-    // Allocated unowned: the pool is reset as a whole after each submit.
-    const vk::DescriptorSet set =
-        (*device.device).allocateDescriptorSets(vk::DescriptorSetAllocateInfo(*pool, layout), vulkan())[0];
+    const VkDescriptorSetAllocateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                           .descriptorPool = pool,
+                                           .descriptorSetCount = 1,
+                                           .pSetLayouts = kernel.set_layout.address()};
+    VkDescriptorSet set = nullptr;  // freed with the pool's reset after each submit
+    require(vk().AllocateDescriptorSets(device.device, &info, &set), "binding buffers");
     ++sets_used;
-    std::vector<vk::DescriptorBufferInfo> infos;
-    infos.reserve(buffers.size());
+    std::vector<VkDescriptorBufferInfo> infos;
     for (const Buffer* buffer : buffers) {
-      infos.emplace_back(*buffer->impl().buffer, 0, VK_WHOLE_SIZE);
+      infos.push_back({buffer->impl().buffer, 0, VK_WHOLE_SIZE});
       hold({buffer});
     }
-    std::vector<vk::WriteDescriptorSet> writes;
-    for (std::uint32_t i = 0; i < infos.size(); ++i) {
-      const bool texels = readsTexels(kernel.kinds[i]);
-      writes.emplace_back(set, i, 0, 1, descriptorType(kernel.kinds[i]), nullptr,
-                          texels ? nullptr : &infos[i], texels ? &views[i] : nullptr);
-    }
-    device.device.updateDescriptorSets(writes, {});
-    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *kernel.pipeline, vulkan());
-    commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *kernel.pipeline_layout, 0, set, {},
-                                vulkan());
+    std::vector<VkWriteDescriptorSet> writes;
+    for (std::uint32_t i = 0; i < infos.size(); ++i)
+      writes.push_back({.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                        .dstSet = set,
+                        .dstBinding = i,
+                        .descriptorCount = 1,
+                        .descriptorType = descriptorType(kernel.kinds[i]),
+                        .pBufferInfo = &infos[i],
+                        .pTexelBufferView = &views[i]});
+    vk().UpdateDescriptorSets(device.device, static_cast<std::uint32_t>(writes.size()), writes.data(), 0,
+                              nullptr);
+    vk().CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.pipeline);
+    vk().CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.pipeline_layout, 0, 1, &set,
+                               0, nullptr);
     if (push_bytes > 0)
-      commands.pushConstants(*kernel.pipeline_layout, vk::ShaderStageFlagBits::eCompute, 0, push_bytes, push,
-                             vulkan());
+      vk().CmdPushConstants(commands, kernel.pipeline_layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes,
+                            push);
   }
 };
 
 Recorder::Recorder(Device& owner) : impl_(new Impl{owner.impl()}) {
-  Device::Impl& device = impl_->device;
-  try {
-    impl_->command_pool = {
-        device.device,
-        vk::CommandPoolCreateInfo(vk::CommandPoolCreateFlagBits::eResetCommandBuffer, device.queue_family),
-        device.allocator};
-    impl_->own_commands = std::move(
-        vk::raii::CommandBuffers(device.device, {*impl_->command_pool, vk::CommandBufferLevel::ePrimary, 1})
-            .front());
-    impl_->commands = *impl_->own_commands;
-    const std::array sizes = {
-        vk::DescriptorPoolSize(vk::DescriptorType::eStorageBuffer, kDescriptorsPerSubmit),
-        vk::DescriptorPoolSize(vk::DescriptorType::eUniformBuffer, kDescriptorsPerSubmit),
-        vk::DescriptorPoolSize(vk::DescriptorType::eUniformTexelBuffer, kDescriptorsPerSubmit)};
-    impl_->pool = {device.device, vk::DescriptorPoolCreateInfo({}, kSetsPerSubmit, sizes), device.allocator};
-    impl_->fence = {device.device, vk::FenceCreateInfo(), device.allocator};
-  } catch (const vk::SystemError& error) {
-    throwDeviceError(error, "making a command buffer");
-  }
+  const Device::Impl& device = impl_->device;
+  const char* doing = "making a command buffer";
+  impl_->command_pool = {device,
+                         VkCommandPoolCreateInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                                 .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
+                                                 .queueFamilyIndex = device.queue_family},
+                         doing};
+  const VkCommandBufferAllocateInfo commands{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                             .commandPool = impl_->command_pool,
+                                             .commandBufferCount = 1};
+  require(device.vk.AllocateCommandBuffers(device.device, &commands, &impl_->own_commands), doing);
+  impl_->commands = impl_->own_commands;
+  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kDescriptorsPerSubmit},
+                                        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, kDescriptorsPerSubmit},
+                                        {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, kDescriptorsPerSubmit}};
+  impl_->pool = {device,
+                 VkDescriptorPoolCreateInfo{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                            .maxSets = kSetsPerSubmit,
+                                            .poolSizeCount = static_cast<std::uint32_t>(std::size(sizes)),
+                                            .pPoolSizes = sizes},
+                 doing};
+  impl_->fence = {device, VkFenceCreateInfo{.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO}, doing};
 }
 Recorder::~Recorder() = default;
 Recorder::Recorder(Recorder&&) noexcept = default;
@@ -162,8 +172,8 @@ void Recorder::dispatchBytes(const Kernel& kernel, std::span<const Buffer* const
                           std::to_string(info.limits.max_workgroup_count_x) + " that " + info.name +
                           " runs; give it smaller images.");
   impl_->bind(kernel.impl(), buffers, push, push_bytes);
-  impl_->commands.dispatch(along_x, (threads.y + group[1] - 1) / group[1],
-                           (threads.z + group[2] - 1) / group[2], impl_->vulkan());
+  impl_->vk().CmdDispatch(impl_->commands, along_x, (threads.y + group[1] - 1) / group[1],
+                          (threads.z + group[2] - 1) / group[2]);
   impl_->barrier();
 }
 
@@ -173,7 +183,7 @@ void Recorder::dispatchGroups(const Kernel& kernel, std::span<const Buffer* cons
   impl_->bind(kernel.impl(), buffers, push, push_bytes);
   const std::uint32_t widest = std::min(32768u, impl_->device.info.limits.max_workgroup_count_x);
   const std::uint32_t rows = (groups + widest - 1) / widest;
-  impl_->commands.dispatch(std::min(groups, widest), rows, 1, impl_->vulkan());
+  impl_->vk().CmdDispatch(impl_->commands, std::min(groups, widest), rows, 1);
   impl_->barrier();
 }
 
@@ -183,8 +193,8 @@ void Recorder::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, s
   requireInside(from, from_offset, bytes);
   requireInside(to, to_offset, bytes);
   impl_->begin();
-  impl_->commands.copyBuffer(*from.impl().buffer, *to.impl().buffer,
-                             vk::BufferCopy(from_offset, to_offset, bytes), impl_->vulkan());
+  const VkBufferCopy region{from_offset, to_offset, bytes};
+  impl_->vk().CmdCopyBuffer(impl_->commands, from.impl().buffer, to.impl().buffer, 1, &region);
   impl_->hold({&from, &to});
   impl_->barrier();
 }
@@ -193,13 +203,11 @@ void Recorder::copyToImage(const Buffer& from, VkImage_T* image, ImageAspect asp
                            std::uint32_t height, bool general) {
   requireInside(from, 0, 4ull * width * height);
   impl_->begin();
-  const vk::ImageSubresourceLayers layers(
-      aspect == ImageAspect::Colour ? vk::ImageAspectFlagBits::eColor : vk::ImageAspectFlagBits::eDepth, 0, 0,
-      1);
-  impl_->commands.copyBufferToImage(
-      *from.impl().buffer, vk::Image(image),
-      general ? vk::ImageLayout::eGeneral : vk::ImageLayout::eTransferDstOptimal,
-      vk::BufferImageCopy(0, 0, 0, layers, {}, {width, height, 1}), impl_->vulkan());
+  const VkBufferImageCopy region = wholeImage(
+      aspect == ImageAspect::Colour ? VK_IMAGE_ASPECT_COLOR_BIT : VK_IMAGE_ASPECT_DEPTH_BIT, width, height);
+  impl_->vk().CmdCopyBufferToImage(impl_->commands, from.impl().buffer, image,
+                                   general ? VK_IMAGE_LAYOUT_GENERAL : VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                                   1, &region);
   impl_->hold({&from});
   impl_->barrier();
 }
@@ -212,14 +220,14 @@ void Recorder::copyPixels(const DevicePixels& from, const Buffer& to, std::uint3
     throw DeviceError(DeviceErrorCode::Programming, "Pixels on the device need a buffer or an image.");
   impl_->begin();
   if (from.buffer) {
-    impl_->commands.copyBuffer(vk::Buffer(from.buffer), *to.impl().buffer,
-                               vk::BufferCopy(from.offset, 0, bytes), impl_->vulkan());
+    const VkBufferCopy region{from.offset, 0, bytes};
+    impl_->vk().CmdCopyBuffer(impl_->commands, from.buffer, to.impl().buffer, 1, &region);
   } else {
-    const vk::ImageSubresourceLayers layers(vk::ImageAspectFlagBits::eColor, 0, 0, 1);
-    impl_->commands.copyImageToBuffer(
-        vk::Image(from.image),
-        from.general ? vk::ImageLayout::eGeneral : vk::ImageLayout::eTransferSrcOptimal, *to.impl().buffer,
-        vk::BufferImageCopy(0, 0, 0, layers, {}, {width, height, 1}), impl_->vulkan());
+    const VkBufferImageCopy region = wholeImage(VK_IMAGE_ASPECT_COLOR_BIT, width, height);
+    impl_->vk().CmdCopyImageToBuffer(
+        impl_->commands, from.image,
+        from.general ? VK_IMAGE_LAYOUT_GENERAL : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to.impl().buffer, 1,
+        &region);
   }
   impl_->hold({&to});
   impl_->barrier();
@@ -229,7 +237,7 @@ void Recorder::fill(const Buffer& buffer, std::uint32_t word, std::uint64_t offs
   if (bytes == 0) return;
   requireInside(buffer, offset, bytes);
   impl_->begin();
-  impl_->commands.fillBuffer(*buffer.impl().buffer, offset, bytes, word, impl_->vulkan());
+  impl_->vk().CmdFillBuffer(impl_->commands, buffer.impl().buffer, offset, bytes, word);
   impl_->hold({&buffer});
   impl_->barrier();
 }
@@ -239,7 +247,14 @@ void Recorder::recordInto(VkCommandBuffer_T* commands) {
     throw DeviceError(DeviceErrorCode::Programming, "What was recorded before must be submitted first.");
   impl_->letGo();
   impl_->recording = false;
-  impl_->commands = commands ? vk::CommandBuffer(commands) : *impl_->own_commands;
+  impl_->commands = commands ? commands : impl_->own_commands;
+}
+
+void Recorder::discard() {
+  if (!impl_->recording || impl_->isCallers()) return;
+  (void)impl_->vk().ResetCommandBuffer(impl_->own_commands, 0);  // beginning it anew would say what is wrong
+  impl_->recording = false;
+  impl_->letGo();
 }
 
 void Recorder::submit() {
@@ -248,20 +263,23 @@ void Recorder::submit() {
                       "A caller's command buffer is submitted by the caller, not by the engine.");
   if (!impl_->recording) return;
   Device::Impl& device = impl_->device;
-  try {
+  const Commands& vk = device.vk;
+  const VkFence* fence = impl_->fence.address();
+  const char* doing = "running compute work";
+  const VkSubmitInfo work{
+      .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &impl_->commands};
+  {
+    const Whole whole(*this);
     impl_->showHost();
-    impl_->own_commands.end();
-    impl_->recording = false;
-    device.submit(vk::SubmitInfo({}, {}, impl_->commands), *impl_->fence);
-    if (!impl_->isSoonDone() &&
-        device.device.waitForFences(*impl_->fence, true, std::numeric_limits<std::uint64_t>::max()) !=
-            vk::Result::eSuccess)
-      throw DeviceError(DeviceErrorCode::DeviceLost, device.info.name + " did not finish its work.");
-    device.device.resetFences(*impl_->fence);
-    impl_->letGo();
-  } catch (const vk::SystemError& error) {
-    throwDeviceError(error, "running compute work");
+    require(vk.EndCommandBuffer(impl_->commands), doing);
+    require(device.submit(work, *fence), doing);
   }
+  impl_->recording = false;
+  if (!impl_->isSoonDone())
+    require(vk.WaitForFences(device.device, 1, fence, VK_TRUE, std::numeric_limits<std::uint64_t>::max()),
+            doing);
+  require(vk.ResetFences(device.device, 1, fence), doing);
+  impl_->letGo();
 }
 
 }  // namespace rosefusion

@@ -1,6 +1,7 @@
 // Records kernels and copies into a command buffer, and runs them.
 #pragma once
 #include <cstdint>
+#include <exception>
 #include <initializer_list>
 #include <memory>
 #include <span>
@@ -35,7 +36,8 @@ struct DevicePixels {
 
 /// Commands run in order, each seeing all that the ones before wrote, and all that was submitted to the
 /// Device's queue before. Nothing runs before submit(), or before the caller submits its own command buffer.
-/// Movable; one thread. A pass object owns the buffers it fills, so record it once per submit.
+/// Movable; one thread. A pass object owns the buffers it fills, so record it once per submit. Buffers are
+/// held until what uses them has run.
 class Recorder {
  public:
   explicit Recorder(Device& device);
@@ -81,8 +83,26 @@ class Recorder {
   /// From now on commands go into `commands`, a primary command buffer that the caller has begun, outside of
   /// a render pass, and submits itself to the Device's queue; submit() throws DeviceError (Programming). What
   /// was recorded into an earlier one must have completed: its descriptor sets are let go, and the buffers
-  /// that it used, which are held until then. Null: let go, and record for submit() again.
+  /// that it used. Null: let go, and record for submit() again.
   void recordInto(VkCommandBuffer_T* commands);
+
+  /// What was recorded since the last submit will not run. Of a caller's command buffer nothing is taken
+  /// back: the caller resets it.
+  void discard();
+  /// Lives while commands are recorded that belong together: an exception that ends it discards them, so that
+  /// half of them does not run with what is recorded next.
+  class Whole {
+   public:
+    explicit Whole(Recorder& recorder) : recorder_(recorder), exceptions_(std::uncaught_exceptions()) {}
+    Whole(const Whole&) = delete;
+    ~Whole() {
+      if (std::uncaught_exceptions() > exceptions_) recorder_.discard();
+    }
+
+   private:
+    Recorder& recorder_;
+    int exceptions_;
+  };
 
  private:
   struct Impl;

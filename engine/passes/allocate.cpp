@@ -28,11 +28,15 @@ AllocatePass::AllocatePass(Device& device, std::uint32_t capacity)
     : device_(device),
       kernel_(device, readerCode(device, "allocate"), bindingsOn(device), sizeof(AllocateParams)),
       capacity_(capacity),
-      requests_(device, sizeof(AllocateHeader) + 4ull * capacity, Memory::Readback) {}
+      empty_(device, sizeof(AllocateHeader), Memory::Upload),
+      requests_(device, sizeof(AllocateHeader) + 4ull * capacity, Memory::Readback) {
+  empty_.as<AllocateHeader>()[0] = emptyHeader();
+}
 
 void AllocatePass::record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
                           const CameraIntrinsics& camera, const glm::mat4& world_from_camera) {
-  requests_.as<AllocateHeader>()[0] = emptyHeader();
+  const Recorder::Whole whole(recorder);
+  recorder.copy(empty_, requests_, sizeof(AllocateHeader));
   AllocateParams params{};
   params.world_from_camera = world_from_camera;
   params.focal_centre = camera.focal_centre;

@@ -22,6 +22,7 @@ class AllocatePass {
   Device& device_;
   Kernel kernel_;
   std::uint32_t capacity_;
+  Buffer empty_;  // the header of a list without requests
   Buffer requests_;
 };
 

@@ -113,8 +113,9 @@ void ExtractPass::run(const Volume& volume, float min_weight,
   for (std::uint32_t first = 1; first < slots; first += kCountBatch) {
     const std::uint32_t blocks = std::min(kCountBatch, slots - first);
     count(work, first, blocks);
+    const auto counts = work.counts.as<ExtractCount>();
     for (std::uint32_t i = 0; i < blocks; ++i) {
-      const ExtractCount counted = work.counts.as<ExtractCount>()[i];
+      const ExtractCount counted = counts[i];
       if (counted.vertices == 0 && counted.triangles == 0) continue;
       if (vertices + counted.vertices > kVertices || triangles + counted.triangles > kTriangles) flush();
       listed.push_back({first + i, vertices, triangles, 0});

@@ -53,6 +53,7 @@ std::uint64_t FitnessPass::lookups() const {
 
 void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points,
                          const SwarmPlacement& swarm, const LastView* last_view) {
+  const Recorder::Whole whole(recorder);
   if (32ull * (swarm.first_particle + swarm.particles) > templates_.bytes())
     throw DeviceError(DeviceErrorCode::Programming, "The swarm reaches past the templates on the device.");
   particles_ = swarm.particles;

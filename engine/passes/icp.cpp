@@ -17,6 +17,7 @@ IcpPass::IcpPass(Device& device, const CameraIntrinsics& camera)
 void IcpPass::record(Recorder& recorder, const PreprocessPass& frame, const RaycastPass& model,
                      const glm::mat4& camera_from_world, const IcpPairing& pairing,
                      const glm::mat4& world_from_camera) {
+  const Recorder::Whole whole(recorder);
   const int offset = pairing.stride / 2;
   const glm::ivec4 grid(pairing.stride, offset,
                         (camera_.size.x - offset + pairing.stride - 1) / pairing.stride,

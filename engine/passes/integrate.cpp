@@ -12,6 +12,7 @@ IntegratePass::IntegratePass(Device& device) : device_(device) {}
 void IntegratePass::record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
                            const CameraIntrinsics& camera, const glm::mat4& camera_from_world, float far,
                            const SensorNoise& noise) {
+  const Recorder::Whole whole(recorder);
   volume.visibleBlocks(camera_from_world, camera.focal_centre, camera.size, far, frame.reach(), slots_);
   if (slots_.empty()) return;
   const std::uint64_t bytes = 4 * slots_.size();

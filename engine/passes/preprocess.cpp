@@ -28,6 +28,7 @@ PreprocessPass::PreprocessPass(Device& device, const shader::CameraIntrinsics& c
 
 void PreprocessPass::record(Recorder& recorder, std::span<const std::uint16_t> raw, float metres_per_unit,
                             float min_depth, float max_depth, float edge_sigmas, const SensorNoise& noise) {
+  const Recorder::Whole whole(recorder);
   if (raw.size() != static_cast<std::size_t>(camera_.size.x) * camera_.size.y)
     throw DeviceError(DeviceErrorCode::Programming, "The depth image has not the camera's size.");
   std::memcpy(raw_.as<char>().data(), raw.data(), raw.size_bytes());
@@ -36,6 +37,7 @@ void PreprocessPass::record(Recorder& recorder, std::span<const std::uint16_t> r
 
 void PreprocessPass::record(Recorder& recorder, const DevicePixels& raw, float metres_per_unit,
                             float min_depth, float max_depth, float edge_sigmas, const SensorNoise& noise) {
+  const Recorder::Whole whole(recorder);
   recorder.copyPixels(raw, raw_, static_cast<std::uint32_t>(camera_.size.x),
                       static_cast<std::uint32_t>(camera_.size.y), 2);
   recordKernel(recorder, metres_per_unit, min_depth, max_depth, edge_sigmas, noise);

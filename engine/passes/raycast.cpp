@@ -32,6 +32,7 @@ RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera, Memory 
 }
 
 void RaycastPass::record(Recorder& recorder, const VolumeView& volume, const RaycastView& view) {
+  const Recorder::Whole whole(recorder);
   const RaycastKernels::Pair& kernels = kernels_->of(volume);
   recordRange(recorder, kernels.range, volume, view);
   const int flags = (view.colour && volume.options().colour ? kRaycastColoured : 0) |

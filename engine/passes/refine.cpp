@@ -15,6 +15,7 @@ RefinePass::RefinePass(Device& device) : device_(device) {}
 void RefinePass::record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points,
                         std::span<const RefineCandidate> candidates, const CameraIntrinsics& last_camera,
                         const RefineWeights& weights) {
+  const Recorder::Whole whole(recorder);
   // Parts for all of a CPU's cores, or enough to fill a GPU with a few candidates.
   const std::uint32_t wanted = device_.info().type == DeviceType::Cpu ? 16 : 128;
   count_ = static_cast<std::uint32_t>(candidates.size());

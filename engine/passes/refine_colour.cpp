@@ -13,6 +13,7 @@ using namespace shader;
 void RefineColourPass::record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
                               const SelectPointsPass& points, const CameraIntrinsics& camera,
                               std::span<const RefineColourCandidate> candidates, float huber) {
+  const Recorder::Whole whole(recorder);
   if (!frame.hasColour() || !volume.options().colour)
     throw DeviceError(DeviceErrorCode::Programming, "Colours are compared where frame and volume have none.");
   // Parts for all of a CPU's cores, or enough to fill a GPU with a few candidates.

@@ -15,6 +15,7 @@ SelectPointsPass::SelectPointsPass(Device& device, const CameraIntrinsics& camer
 
 void SelectPointsPass::record(Recorder& recorder, const PreprocessPass& frame, const PixelGrid& grid,
                               const glm::mat4* previous_from_current) {
+  const Recorder::Whole whole(recorder);
   if (grid.stride < 1 || grid.offset_x < 0 || grid.offset_y < 0 || grid.offset_x >= camera_.size.x ||
       grid.offset_y >= camera_.size.y)
     throw DeviceError(DeviceErrorCode::Programming, "The pixel grid does not lie inside the image.");

@@ -11,8 +11,8 @@ SumCheck sumOnDevice(Device& device, std::span<const float> values) {
   const Kernel kernel(device, shaderCode("sum_check"), 2, sizeof(shader::SumCheckParams));
   const Buffer input(device, values.size_bytes(), Memory::Upload), sums(device, 16, Memory::Readback);
   std::memcpy(input.as<char>().data(), values.data(), values.size_bytes());
-  std::ranges::fill(sums.as<float>(), 0.0f);
   Recorder recorder(device);
+  recorder.fill(sums, 0, 0, sums.bytes());
   for (std::size_t first = 0; first < values.size(); first += shader::kLongestLoop) {
     const std::size_t count = std::min<std::size_t>(shader::kLongestLoop, values.size() - first);
     const shader::SumCheckParams params{static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};

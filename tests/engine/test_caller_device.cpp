@@ -144,6 +144,97 @@ TEST_F(CallerDevices, EverythingIsMadeWithTheCallersAllocationCallbacksAndFreed)
   EXPECT_EQ(caller.liveAllocations(), 0);
 }
 
+// A device with three memory types, over the one of Mesa's software device: a small heap of its own, and the
+// host's, where what is cached is not coherent.
+struct Heaps {
+  static inline PFN_vkGetInstanceProcAddr get;
+  static inline PFN_vkGetDeviceProcAddr get_device;
+  static inline PFN_vkGetPhysicalDeviceMemoryProperties properties;
+  static inline PFN_vkGetBufferMemoryRequirements requirements;
+  static inline PFN_vkAllocateMemory allocate;
+  static inline PFN_vkInvalidateMappedMemoryRanges invalidate;
+  static inline std::vector<std::uint32_t> asked;  // for which types, in this order
+  static inline int invalidated;
+  static constexpr std::uint64_t kOwn = 1 << 20;  // bytes
+
+  static void VKAPI_CALL threeTypes(VkPhysicalDevice physical, VkPhysicalDeviceMemoryProperties* out) {
+    properties(physical, out);
+    out->memoryTypeCount = 3;
+    out->memoryHeapCount = 2;
+    out->memoryHeaps[1] = {out->memoryHeaps[0].size, 0};
+    out->memoryHeaps[0] = {kOwn, VK_MEMORY_HEAP_DEVICE_LOCAL_BIT};
+    out->memoryTypes[0] = {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0};
+    out->memoryTypes[1] = {VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, 1};
+    out->memoryTypes[2] = {VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, 1};
+  }
+  static void VKAPI_CALL anyType(VkDevice device, VkBuffer buffer, VkMemoryRequirements* out) {
+    requirements(device, buffer, out);
+    out->memoryTypeBits = 7;
+  }
+  static VkResult VKAPI_CALL noted(VkDevice device, const VkMemoryAllocateInfo* info,
+                                   const VkAllocationCallbacks* callbacks, VkDeviceMemory* out) {
+    asked.push_back(info->memoryTypeIndex);
+    if (info->memoryTypeIndex == 0 && info->allocationSize > kOwn / 2) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    VkMemoryAllocateInfo real = *info;
+    real.memoryTypeIndex = 0;
+    return allocate(device, &real, callbacks, out);
+  }
+  static VkResult VKAPI_CALL counted(VkDevice device, std::uint32_t count,
+                                     const VkMappedMemoryRange* ranges) {
+    ++invalidated;
+    return invalidate(device, count, ranges);
+  }
+  template <typename Command>
+  static PFN_vkVoidFunction replace(Command& real, PFN_vkVoidFunction found, Command by) {
+    real = reinterpret_cast<Command>(found);
+    return reinterpret_cast<PFN_vkVoidFunction>(by);
+  }
+  static PFN_vkVoidFunction VKAPI_CALL deviceProc(VkDevice device, const char* name) {
+    const PFN_vkVoidFunction found = get_device(device, name);
+    const std::string command = name;
+    if (command == "vkGetBufferMemoryRequirements") return replace(requirements, found, &anyType);
+    if (command == "vkAllocateMemory") return replace(allocate, found, &noted);
+    if (command == "vkInvalidateMappedMemoryRanges") return replace(invalidate, found, &counted);
+    return found;
+  }
+  static PFN_vkVoidFunction VKAPI_CALL proc(VkInstance instance, const char* name) {
+    const PFN_vkVoidFunction found = get(instance, name);
+    const std::string command = name;
+    if (command == "vkGetPhysicalDeviceMemoryProperties") return replace(properties, found, &threeTypes);
+    if (command == "vkGetDeviceProcAddr") return replace(get_device, found, &deviceProc);
+    return found;
+  }
+};
+
+TEST_F(CallerDevices, WhereAHeapIsFullOrTooSmallAnotherServes) {
+  CallerDevice handles = caller.handles();
+  Heaps::get = handles.get_instance_proc_addr;
+  handles.get_instance_proc_addr = Heaps::proc;
+  Device device(handles);
+  Heaps::asked.clear();
+  const Buffer fits(device, Heaps::kOwn / 4, Memory::Device);
+  const Buffer full(device, Heaps::kOwn - 4096, Memory::Device);
+  const Buffer larger(device, 2 * Heaps::kOwn, Memory::Device);
+  EXPECT_THAT(Heaps::asked, ::testing::ElementsAre(0, 0, 1, 1));
+}
+
+TEST_F(CallerDevices, CachedMemoryThatIsNotCoherentIsInvalidatedBeforeItIsRead) {
+  CallerDevice handles = caller.handles();
+  Heaps::get = handles.get_instance_proc_addr;
+  handles.get_instance_proc_addr = Heaps::proc;
+  Device device(handles);
+  Heaps::asked.clear();
+  Heaps::invalidated = 0;
+  const Buffer read(device, 1024, Memory::Readback), written(device, 1024, Memory::Upload);
+  EXPECT_THAT(Heaps::asked, ::testing::ElementsAre(2, 1));
+  written.as<int>();
+  EXPECT_EQ(Heaps::invalidated, 0);
+  read.as<int>();
+  EXPECT_EQ(Heaps::invalidated, 1);
+  EXPECT_TRUE(compensatedSumsWork(device));
+  EXPECT_GT(Heaps::invalidated, 1);
+}
+
 // A poorer device: what the driver says, with less of two limits and without a compute queue.
 struct Poor {
   static inline PFN_vkGetInstanceProcAddr get;

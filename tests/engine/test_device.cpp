@@ -5,6 +5,7 @@
 
 #include "engine/buffer.h"
 #include "engine/passes/sum_check.h"
+#include "engine/physical_device.h"
 #include "tests/engine/validating_device.h"
 
 namespace rosefusion::testing {
@@ -52,6 +53,31 @@ TEST_F(Devices, TheEnvironmentChoosesUnlessTheCallerDoes) {
   EXPECT_TRUE(throwsDeviceError([] { open(""); }, DeviceErrorCode::NoDevice, {"no such device"}));
   EXPECT_EQ(open(index()).info().index, device().info().index);
   before ? setenv("ROSEFUSION_DEVICE", kept.c_str(), 1) : unsetenv("ROSEFUSION_DEVICE");
+}
+
+DeviceInfo madeUp(const char* name, DeviceType type, bool conformant) {
+  DeviceInfo info;
+  info.name = name;
+  info.type = type;
+  info.conformant = conformant;
+  return info;
+}
+
+// As on Windows' subsystem for Linux: Direct3D 12 calls itself the graphics card, and lacks much of Vulkan.
+TEST(DeviceChoice, ADriverThatIsNotConformantComesLast) {
+  std::vector<DeviceInfo> devices = {madeUp("dzn", DeviceType::Discrete, false),
+                                     madeUp("llvmpipe", DeviceType::Cpu, true)};
+  EXPECT_EQ(chooseDevice(devices, ""), 1u);
+  EXPECT_EQ(chooseDevice(devices, "dzn"), 0u);
+  devices.push_back(madeUp("apu", DeviceType::Integrated, true));
+  EXPECT_EQ(chooseDevice(devices, ""), 2u);
+  devices = {madeUp("dzn cpu", DeviceType::Cpu, false), madeUp("dzn", DeviceType::Discrete, false)};
+  EXPECT_EQ(chooseDevice(devices, ""), 1u);
+}
+
+TEST_F(Devices, TheSoftwareDeviceIsConformant) {
+  if (device().info().type != DeviceType::Cpu) GTEST_SKIP();
+  EXPECT_TRUE(device().info().conformant);
 }
 
 TEST_F(Devices, WhenNoneFitsTheSentenceSaysWhyOfEach) {
@@ -184,6 +210,15 @@ TEST_F(WithoutDriver, ADriverWithoutItsHardwareIsTheSame) {
         exitAfterExpecting(DeviceErrorCode::NoDriver, "finds a device", false);
       },
       ::testing::ExitedWithCode(0), "");
+}
+
+TEST_F(WithoutDriver, AnOldLoaderIsNamed) {
+  const char* before = std::getenv("LD_LIBRARY_PATH");
+  const std::string kept = before ? before : "";
+  setenv("LD_LIBRARY_PATH", ROSEFUSION_OLD_LOADER, 1);  // heeded by the new process
+  EXPECT_EXIT(exitAfterExpecting(DeviceErrorCode::NoDriver, "Vulkan 1.0.0, rosefusion needs 1.1.0", false),
+              ::testing::ExitedWithCode(0), "libvulkan1");
+  before ? setenv("LD_LIBRARY_PATH", kept.c_str(), 1) : unsetenv("LD_LIBRARY_PATH");
 }
 
 TEST_F(WithoutDriver, AMissingValidationLayerIsNamed) {

@@ -163,5 +163,32 @@ TEST_F(Recording, TooManyDispatchesAreRefusedUntilTheSubmit) {
   recorder_->submit();  // nothing recorded: nothing happens
 }
 
+TEST_F(Recording, OfAPassThatThrewNothingRuns) {
+  recorder_->fill(sums_, 1, 0, 64);
+  EXPECT_TRUE(throwsDeviceError(
+      [&] {
+        const Recorder::Whole pass(*recorder_);
+        const Buffer own(device(), 64, Memory::Device);
+        recorder_->fill(own, 2, 0, 64);
+        recorder_->fill(sums_, 2, 0, 64);
+        Buffer(device(), ~std::uint64_t(0), Memory::Device);
+      },
+      DeviceErrorCode::OutOfMemory, {"MiB"}));
+  recorder_->fill(sums_, 3, 0, 4);
+  recorder_->submit();
+  EXPECT_EQ(sums_.as<std::uint32_t>()[0], 3u);
+  EXPECT_EQ(sums_.as<std::uint32_t>()[15], 0u) << "commands of the pass that threw have run";
+}
+
+TEST_F(Recording, BuffersAreHeldUntilTheirCommandsHaveRun) {
+  {
+    const Buffer passing(device(), 64, Memory::Device);
+    recorder_->fill(passing, 7, 0, 64);
+    recorder_->copy(passing, sums_, 64);
+  }
+  recorder_->submit();  // the validation layer would name the destroyed buffer
+  EXPECT_EQ(sums_.as<std::uint32_t>()[15], 7u);
+}
+
 }  // namespace test_kernel
 }  // namespace rosefusion::testing
