@@ -12,7 +12,7 @@ void SourceArguments::addTo(CLI::App& command) {
       .add_option(
           "SOURCE", source,
           "Folder (TUM RGB-D, ETH3D, ICL-NUIM, 7-Scenes, Replica, FastCaMo, PNGs with sequence.yaml), .seq "
-          "file, or camera (openni2:, realsense:, k4a:)")
+          "file, ROS recording (.bag, .db3, .mcap), or camera (openni2:, realsense:, k4a:)")
       ->required();
   command.add_flag(
       "--realtime", realtime,
@@ -27,6 +27,8 @@ void SourceArguments::addTo(CLI::App& command) {
       .add_option("--depth-units-per-metre,--depth-scale", depth_scale,
                   "Depth units per metre, instead of the sequence's own")
       ->check(positive());
+  command.add_option("--topic", topic,
+                     "Topic of the depth images in a ROS recording; else the first that says depth");
   command.add_option("--secret-key", stream.secret_key,
                      "Encrypt the network stream: this side's file from 'rosefusion keys'");
   command.add_option("--peer-key", stream.peer_keys,
@@ -39,6 +41,7 @@ SourceOptions SourceArguments::options(bool colour) const {
   if (!intrinsics.empty())
     out.sequence.intrinsics = Intrinsics{0, 0, intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3]};
   if (depth_scale > 0) out.sequence.depth_units_per_metre = depth_scale;
+  out.sequence.topic = topic;
   out.selection = selection;
   out.pace = realtime ? Pace::Recorded : Pace::AsTaken;
   out.stream = stream;

@@ -12,6 +12,7 @@ struct SourceArguments {
   std::string source;
   std::vector<double> intrinsics;  ///< fx fy cx cy, or empty
   double depth_scale = 0;
+  std::string topic;
   bool realtime = false;
   RunOptions selection;
   StreamOptions stream;

@@ -56,4 +56,8 @@ Listing listTumLayout(const std::filesystem::path& folder, const std::string& fo
 /// Throws InputError when the file's size is not what its header says.
 std::unique_ptr<Sequence> openPackedSeq(const std::filesystem::path& file, const SequenceOptions& options);
 
+/// A ROS recording (.bag, .db3, .mcap): the depth images of one topic, and colour where it is of their size.
+/// Throws InputError for files that cannot be read and recordings without depth images.
+std::unique_ptr<Sequence> openRosRecording(const std::filesystem::path& file, const SequenceOptions& options);
+
 }  // namespace rosefusion::datasets

@@ -24,10 +24,19 @@ const Reader* findReader(const fs::path& folder) {
   return found == kReaders.end() ? nullptr : *found;
 }
 
-std::vector<fs::path> packedFilesIn(const fs::path& folder) {
+bool isRecording(const fs::path& file) {
+  const std::string ending = file.extension().string();
+  return ending == ".seq" || ending == ".bag" || ending == ".db3" || ending == ".mcap";
+}
+
+std::unique_ptr<Sequence> openRecording(const fs::path& file, const SequenceOptions& options) {
+  return file.extension() == ".seq" ? openPackedSeq(file, options) : openRosRecording(file, options);
+}
+
+std::vector<fs::path> recordingsIn(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && entry.path().extension() == ".seq") files.push_back(entry.path());
+    if (entry.is_regular_file() && isRecording(entry.path())) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -44,7 +53,7 @@ fs::path usableSubfolder(const fs::path& folder) {
   if (const fs::path inner = usableSubfolder(folder); !inner.empty())
     throw InputError(folder.string() + ": holds no sequence itself; give a folder in it, such as " +
                      inner.string() + ".");
-  std::string looked_for = "a packed .seq file (FastCaMo)";
+  std::string looked_for = "a packed .seq file (FastCaMo), a ROS recording (.bag, .db3, .mcap)";
   for (const Reader* reader : kReaders) looked_for += std::string(", ") + reader->looks_for;
   throw InputError(folder.string() + ": no known sequence layout; looked for " + looked_for +
                    "; write a sequence.yaml beside the images to use other layouts.");
@@ -56,18 +65,21 @@ std::unique_ptr<Sequence> openSequence(const fs::path& path, const SequenceOptio
   try {
     if (!fs::exists(path)) throw InputError(path.string() + ": no such file or folder; check the path.");
     if (!fs::is_directory(path)) {
-      if (path.extension() == ".seq") return openPackedSeq(path, options);
-      throw InputError(path.string() + ": is a file; give the sequence's folder, or a packed .seq file.");
+      if (isRecording(path)) return openRecording(path, options);
+      throw InputError(
+          path.string() +
+          ": is a file; give the sequence's folder, a packed .seq file, or a ROS recording (.bag, "
+          ".db3, .mcap).");
     }
     if (fs::is_empty(path))
       throw InputError(path.string() + ": the folder is empty; check that the data was unpacked here.");
     if (const Reader* reader = findReader(path))
       return std::make_unique<ImageSequence>(reader->list(path), options);
-    const std::vector<fs::path> packed = packedFilesIn(path);
-    if (packed.size() > 1)
-      throw InputError(path.string() + ": holds " + std::to_string(packed.size()) +
-                       " .seq files; give one of them, such as " + packed[0].string() + ".");
-    if (packed.size() == 1) return openPackedSeq(packed[0], options);
+    const std::vector<fs::path> recordings = recordingsIn(path);
+    if (recordings.size() > 1)
+      throw InputError(path.string() + ": holds " + std::to_string(recordings.size()) +
+                       " recordings; give one of them, such as " + recordings[0].string() + ".");
+    if (recordings.size() == 1) return openRecording(recordings[0], options);
   } catch (const fs::filesystem_error& error) {
     throw InputError(path.string() + ": cannot be read (" + error.code().message() +
                      "); check the permissions.");

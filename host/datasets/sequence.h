@@ -18,6 +18,7 @@ struct SequenceOptions {
   bool colour = false;                          ///< load Frame::colour where there is any
   std::optional<Intrinsics> intrinsics;         ///< width and height 0: those of the images
   std::optional<double> depth_units_per_metre;  ///< depth in metres = value / this
+  std::string topic;                            ///< of the depth images in a ROS recording; empty: chosen
 };
 
 /// Everything known about a sequence before its frames are read.
@@ -56,10 +57,11 @@ class Sequence {
   SequenceInfo info_;
 };
 
-/// Opens a folder (or a packed .seq file), choosing the reader by what lies in it: TUM RGB-D, ETH3D SLAM,
-/// ICL-NUIM, 7-Scenes, Replica (NICE-SLAM), FastCaMo, or PNGs described by a sequence.yaml, which wins over
-/// all others. Throws InputError for a missing, empty or unknown folder (the sentence lists what was looked
-/// for), an unreadable list, implausible intrinsics, or when not one of its depth images can be read.
+/// Opens a folder (or a packed .seq file or a ROS recording: .bag, .db3, .mcap), choosing the reader by what
+/// lies in it: TUM RGB-D, ETH3D SLAM, ICL-NUIM, 7-Scenes, Replica (NICE-SLAM), FastCaMo, or PNGs described by
+/// a sequence.yaml, which wins over all others. Throws InputError for a missing, empty or unknown folder (the
+/// sentence lists what was looked for), an unreadable list, implausible intrinsics, or when not one of its
+/// depth images can be read.
 std::unique_ptr<Sequence> openSequence(const std::filesystem::path& path,
                                        const SequenceOptions& options = {});
 

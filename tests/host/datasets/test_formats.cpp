@@ -200,7 +200,7 @@ TEST(PackedSeq, ASizeThatContradictsTheHeaderIsRefused) {
   EXPECT_THAT(openingError(folder.path() / "zero.seq"), HasSubstr("no FastCaMo .seq"));
   folder.write("short.seq", "abc");
   EXPECT_THAT(openingError(folder.path() / "short.seq"), HasSubstr("header"));
-  EXPECT_THAT(openingError(folder.path()), HasSubstr("4 .seq files"))
+  EXPECT_THAT(openingError(folder.path()), HasSubstr("4 recordings"))
       << "which one is meant is the user's to say";
 }
 

@@ -1,0 +1,150 @@
+// ROS recordings: the small ones of tests/fixtures/recordings, written by its Python script, a real one of
+// the RealSense SDK where it is at hand, and many damaged ones.
+#include <gmock/gmock.h>
+#include <zstd.h>
+
+#include <fstream>
+#include <random>
+
+#include "host/core/error.h"
+#include "host/datasets/ros/byte_reader.h"
+#include "host/datasets/ros/compression.h"
+#include "host/datasets/sequence.h"
+#include "tests/host/datasets/fixtures.h"
+
+namespace rosefusion::test {
+namespace test_ros_recordings {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+const fs::path kFixtures = fs::path(ROSEFUSION_SOURCE_DIR) / "tests/fixtures/recordings";
+const fs::path kData = fs::path(ROSEFUSION_SOURCE_DIR) / "../shared/data";
+
+std::string bytesOf(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class RosRecording : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Kinds, RosRecording, ::testing::Values("small.bag", "small.db3", "small.mcap"));
+
+TEST_P(RosRecording, GivesTheSourcesImagesStampsAndCamera) {
+  SequenceOptions options;
+  options.colour = true;
+  const auto sequence = openSequence(kFixtures / GetParam(), options);
+  const SequenceInfo& info = sequence->info();
+  EXPECT_EQ(info.intrinsics, (Intrinsics{kWidth, kHeight, 30, 31, 16, 12}));
+  EXPECT_FALSE(info.intrinsics_assumed);
+  EXPECT_EQ(info.depth_units_per_metre, 1000);
+  EXPECT_TRUE(info.has_colour);
+  EXPECT_THAT(info.warnings, ::testing::IsEmpty());
+  ASSERT_EQ(sequence->size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(sequence->timestamp(i), 10 + 0.1 * static_cast<double>(i), 1e-6);
+    Frame frame;
+    std::string problem;
+    ASSERT_TRUE(sequence->read(i, frame, problem)) << problem;
+    const cv::Mat expected = depthImage(1500 + static_cast<int>(i));
+    EXPECT_EQ(cv::countNonZero(frame.depth != expected), 0);
+    ASSERT_EQ(frame.colour.size(), frame.depth.size());
+    EXPECT_EQ(frame.colour.at<cv::Vec3b>(5, 5), cv::Vec3b(10, 20, 200));
+  }
+}
+
+TEST(RosRecordings, FloatingMetresKeepTheirPrecision) {
+  const auto sequence = openSequence(kFixtures / "metres.bag");
+  Frame frame;
+  std::string problem;
+  ASSERT_TRUE(sequence->read(2, frame, problem)) << problem;
+  EXPECT_NEAR(frame.depth.at<std::uint16_t>(3, 7) / sequence->info().depth_units_per_metre,
+              (1502 + 7 + 40 * 3) / 1000.0, 1e-4);
+}
+
+TEST(RosRecordings, TheTopicCanBeChosen) {
+  SequenceOptions options;
+  options.topic = "/camera/depth/image_raw";
+  EXPECT_EQ(openSequence(kFixtures / "small.bag", options)->size(), 3u);
+  options.topic = "/nowhere";
+  try {
+    openSequence(kFixtures / "small.bag", options);
+    FAIL() << "opened";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/camera/depth/image_raw")) << "what there is must be named";
+  }
+}
+
+TEST(RosRecordings, ABagThatWasCutIsReadUpToThere) {
+  const TemporaryFolder folder;
+  const std::string whole = bytesOf(kFixtures / "small.bag");
+  const std::size_t second_chunk = whole.rfind("compression=none");
+  folder.write("cut.bag", whole.substr(0, second_chunk + 2000));
+  const auto sequence = openSequence(folder.path() / "cut.bag");
+  EXPECT_EQ(sequence->size(), 1u);
+  EXPECT_THAT(sequence->info().warnings, ::testing::Contains(HasSubstr("read up to there")));
+}
+
+/// Opens it and reads all; whatever happens must be a sentence.
+void readAll(const fs::path& file, int& opened) {
+  try {
+    const auto sequence = openSequence(file);
+    ++opened;
+    Frame frame;
+    std::string problem;
+    for (std::size_t i = 0; i < sequence->size(); ++i)
+      EXPECT_TRUE(sequence->read(i, frame, problem) || !problem.empty());
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(file.filename().string()));
+  }
+}
+
+TEST_P(RosRecording, DamagedOnesEndInASentence) {
+  const TemporaryFolder folder;
+  const std::string whole = bytesOf(kFixtures / GetParam());
+  const std::string name = std::string("damaged") + fs::path(GetParam()).extension().string();
+  std::mt19937 random(1);
+  int opened = 0;
+  for (int i = 0; i < 1000; ++i) {
+    std::string bytes = whole;
+    const auto at = [&] { return random() % bytes.size(); };
+    if (i % 3 == 0) bytes.resize(at());
+    if (i % 3 == 1)
+      for (int k = 0; k < 8; ++k) bytes[at()] = static_cast<char>(random());
+    if (i % 3 == 2 && bytes.size() > 8) {  // a size that lies
+      const std::uint32_t lie = random();
+      std::memcpy(bytes.data() + random() % (bytes.size() - 4), &lie, 4);
+    }
+    folder.write(name, bytes);
+    readAll(folder.path() / name, opened);
+  }
+  EXPECT_GT(opened, 100) << "most damage must be lived with, or the test shows little";
+}
+
+TEST(RosRecordings, CompressedBlocksUnpack) {
+  const std::string text(5000, 'x');
+  std::vector<std::byte> packed(ZSTD_compressBound(text.size()));
+  packed.resize(ZSTD_compress(packed.data(), packed.size(), text.data(), text.size(), 1));
+  const auto out = datasets::unpackedZstd(packed, text.size());
+  EXPECT_EQ(std::string(reinterpret_cast<const char*>(out.data()), out.size()), text);
+  packed.resize(packed.size() / 2);
+  EXPECT_THROW(datasets::unpackedZstd(packed, text.size()), datasets::EndOfBytes);
+}
+
+TEST(RosRecordings, ARecordingOfTheRealSenseSdk) {
+  const char* set = std::getenv("ROSEFUSION_DATA");
+  const fs::path file = (set ? fs::path(set) : kData) / "realsense_bag/single_depth_color_640x480.bag";
+  if (!fs::exists(file)) GTEST_SKIP() << file << " is not on this machine (set ROSEFUSION_DATA)";
+  const auto sequence = openSequence(file);
+  const SequenceInfo& info = sequence->info();
+  ASSERT_EQ(sequence->size(), 2u);
+  EXPECT_EQ(info.intrinsics.width, 640);
+  EXPECT_GT(info.intrinsics.fx, 300);
+  EXPECT_NEAR(info.depth_units_per_metre, 1000, 1e-3);
+  Frame frame;
+  std::string problem;
+  ASSERT_TRUE(sequence->read(0, frame, problem)) << problem;
+  EXPECT_GT(cv::countNonZero(frame.depth), 640 * 480 / 4);
+}
+
+}  // namespace test_ros_recordings
+}  // namespace rosefusion::test
