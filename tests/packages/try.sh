@@ -27,7 +27,7 @@ bash -c 'source /usr/share/bash-completion/completions/rosefusion; complete -p r
 echo "== Python module"
 install "$folder"/python3-rosefusion_*.deb
 python3 -c 'import rosefusion, numpy
-p = rosefusion.Pipeline(rosefusion.Intrinsics(320, 240, 160, 160, 159.5, 119.5))
+p = rosefusion.Reconstructor(rosefusion.Camera(320, 240, 160, 160, 159.5, 119.5))
 print(p.process(numpy.full((240, 320), 1500, numpy.uint16), 0.0).status)'
 
 echo "== Library"
