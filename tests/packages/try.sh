@@ -10,7 +10,10 @@ fail() {
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 cd "$scratch"
-install() { DEBIAN_FRONTEND=noninteractive apt-get -y --no-install-recommends install "$@" </dev/null >"$scratch/apt.log" 2>&1 || fail "$(tail -n 5 "$scratch/apt.log")"; }
+install() {
+  DEBIAN_FRONTEND=noninteractive apt-get -y --no-install-recommends install "$@" </dev/null >"$scratch/apt.log" 2>&1 ||
+    fail "$(tail -n 5 "$scratch/apt.log")"
+}
 
 echo "== Program and viewer"
 install "$folder"/rosefusion_*.deb
