@@ -10,7 +10,8 @@ help() {
     awk '/^[^ ]/ {listed = /:$/ && tolower($0) !~ /^examples?:$/}
     {sub(/^Usage: [^ ]*rosefusion/, "Usage: rosefusion"); gsub(/{false}/, "")}
     listed {sub(/^ +-/, "  -"); if ($0 ~ /^  -[^-],? +--/) sub(/,? +--/, ",--")}
-    {print}'; }
+    {print}'
+}
 # The names in the list of subcommands; CLI11 2.5 and later have headings in capitals and long options in a column of their own.
 commands=$(help | awk 'tolower($0) ~ /^subcommands:/ {on = 1; next} on && /^  [a-z]/ {print $1}')
 [[ -n $commands ]] || { echo "describe: '$program --help' lists no subcommand." >&2; exit 1; }
@@ -19,8 +20,18 @@ commands=$(help | awk 'tolower($0) ~ /^subcommands:/ {on = 1; next} on && /^  [a
 manual() {
   awk '
     function text(line) { gsub(/\\/, "\\e", line); gsub(/-/, "\\-", line); if (line ~ /^[.\047]/) line = "\\&" line; return line }
-    function section(kind) { if (kind != now) { if (now == "as it is") print ".fi"; if (kind == "as it is") print ".nf"; now = kind } }
-    /^[^ ].*:$/ { listed = tolower($0) !~ /^examples?:$/; section("text"); print ".PP"; print "\\fB" text($0) "\\fR"; if (!listed) section("as it is"); next }
+    function section(kind) {
+      if (kind == now) return
+      if (now == "as it is") print ".fi"
+      if (kind == "as it is") print ".nf"
+      now = kind
+    }
+    /^[^ ].*:$/ {
+      listed = tolower($0) !~ /^examples?:$/
+      section("text"); print ".PP"; print "\\fB" text($0) "\\fR"
+      if (!listed) section("as it is")
+      next
+    }
     /^$/ { next }
     /^Usage: / { section("text"); print ".PP"; print text($0); next }
     listed && /^  [^ ]/ {
@@ -54,7 +65,8 @@ manual() {
   echo '  elif [[ $word == -* ]]; then'
   echo '    case ${COMP_WORDS[1]} in'
   for command in $commands; do
-    options=$(help "$command" | awk '/^[^ ]/ {on = /:$/ && tolower($0) !~ /^examples?:$/} on && /^  -/ {print $1}' | tr ',' '\n' | grep '^--' | tr '\n' ' ')
+    options=$(help "$command" | awk '/^[^ ]/ {on = /:$/ && tolower($0) !~ /^examples?:$/} on && /^  -/ {print $1}' |
+      tr ',' '\n' | grep '^--' | tr '\n' ' ')
     echo "      $command) words=\"${options% }\" ;;"
   done
   echo '    esac'

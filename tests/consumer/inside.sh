@@ -13,6 +13,10 @@ rm -rf "$scratch"
 mkdir -p "$scratch"
 absent=()
 for package in embree assimp CLI11 nanoflann GTest benchmark glfw3; do absent+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON"); done
+# What is missing is named in one sentence, with its package.
+said=$(cmake -S "$here/inside" -B "$scratch" -G Ninja -DROSEFUSION="$here/../.." -DHOW="$how" -DCMAKE_DISABLE_FIND_PACKAGE_glm=ON 2>&1 || true)
+grep -q "install the package libglm-dev" <<<"$(tr -s '\n ' ' ' <<<"$said")" || fail "without glm it says: $said"
+rm -rf "$scratch"
 cmake -S "$here/inside" -B "$scratch" -G Ninja -DROSEFUSION="$here/../.." -DHOW="$how" "${absent[@]}" >"$scratch.log" 2>&1 ||
   fail "$(tail -n 20 "$scratch.log")"
 [[ ! -e $scratch/compile_commands.json ]] || fail "rosefusion has compile_commands.json written for another project."

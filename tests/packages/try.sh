@@ -10,7 +10,10 @@ fail() {
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 cd "$scratch"
-install() { DEBIAN_FRONTEND=noninteractive apt-get -y --no-install-recommends install "$@" </dev/null >"$scratch/apt.log" 2>&1 || fail "$(tail -n 5 "$scratch/apt.log")"; }
+install() {
+  DEBIAN_FRONTEND=noninteractive apt-get -y --no-install-recommends install "$@" </dev/null >"$scratch/apt.log" 2>&1 ||
+    fail "$(tail -n 5 "$scratch/apt.log")"
+}
 
 echo "== Program and viewer"
 install "$folder"/rosefusion_*.deb
@@ -27,7 +30,7 @@ bash -c 'source /usr/share/bash-completion/completions/rosefusion; complete -p r
 echo "== Python module"
 install "$folder"/python3-rosefusion_*.deb
 python3 -c 'import rosefusion, numpy
-p = rosefusion.Pipeline(rosefusion.Intrinsics(320, 240, 160, 160, 159.5, 119.5))
+p = rosefusion.Reconstructor(rosefusion.Camera(320, 240, 160, 160, 159.5, 119.5))
 print(p.process(numpy.full((240, 320), 1500, numpy.uint16), 0.0).status)'
 
 echo "== Library"
