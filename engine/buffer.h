@@ -52,4 +52,14 @@ class Buffer {
   std::shared_ptr<Impl> impl_;
 };
 
+/// Some of a buffer's bytes; a buffer stands for all of its own.
+struct BufferPart {
+  BufferPart(const Buffer& whole) : buffer(whole), bytes(whole.bytes()) {}
+  BufferPart(const Buffer& of, std::uint64_t from, std::uint64_t size)
+      : buffer(of), offset(from), bytes(size) {}
+  Buffer buffer;
+  std::uint64_t offset = 0;
+  std::uint64_t bytes = 0;
+};
+
 }  // namespace rosefusion

@@ -199,16 +199,17 @@ void Recorder::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, s
   impl_->barrier();
 }
 
-void Recorder::copyToImage(const Buffer& from, VkImage_T* image, ImageAspect aspect, std::uint32_t width,
+void Recorder::copyToImage(const BufferPart& from, VkImage_T* image, ImageAspect aspect, std::uint32_t width,
                            std::uint32_t height, bool general) {
-  requireInside(from, 0, 4ull * width * height);
+  requireInside(from.buffer, from.offset, 4ull * width * height);
   impl_->begin();
-  const VkBufferImageCopy region = wholeImage(
+  VkBufferImageCopy region = wholeImage(
       aspect == ImageAspect::Colour ? VK_IMAGE_ASPECT_COLOR_BIT : VK_IMAGE_ASPECT_DEPTH_BIT, width, height);
-  impl_->vk().CmdCopyBufferToImage(impl_->commands, from.impl().buffer, image,
+  region.bufferOffset = from.offset;
+  impl_->vk().CmdCopyBufferToImage(impl_->commands, from.buffer.impl().buffer, image,
                                    general ? VK_IMAGE_LAYOUT_GENERAL : VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                                    1, &region);
-  impl_->hold({&from});
+  impl_->hold({&from.buffer});
   impl_->barrier();
 }
 

@@ -69,7 +69,7 @@ class Recorder {
   /// other without a gap. The image must be in VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL or _GENERAL, as `general`
   /// says, and stays there; the write is a transfer write in the transfer stage, and no barrier for the image
   /// is recorded on either side.
-  void copyToImage(const Buffer& from, VkImage_T* image, ImageAspect aspect, std::uint32_t width,
+  void copyToImage(const BufferPart& from, VkImage_T* image, ImageAspect aspect, std::uint32_t width,
                    std::uint32_t height, bool general = false);
 
   /// The other way round; reads in the transfer stage, and records no barrier before. Throws DeviceError

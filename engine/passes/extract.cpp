@@ -11,14 +11,15 @@ namespace {
 
 using namespace shader;
 
-constexpr std::uint32_t kCountBatch = 16384;   // blocks
-constexpr std::uint32_t kVertices = 1u << 18;  // of an emitted batch; a block has at most kBlockEdges
-constexpr std::uint32_t kTriangles = 1u << 19;
+constexpr std::uint32_t kCountBatch = 16384;    // blocks
+constexpr std::uint32_t kTriangles = 1u << 19;  // of an emitted batch
+constexpr std::uint64_t kVertexBytes = sizeof(ExtractVertex) * kExtractVertices;
 constexpr std::uint32_t kMaxSlots = std::numeric_limits<std::uint32_t>::max() / kBlockEdges;
-static_assert(kVertices >= kBlockEdges && kTriangles >= kBlockVoxels * kCaseTriangles, "one block must fit");
+static_assert(kExtractVertices >= kBlockEdges && kTriangles >= kBlockVoxels * kCaseTriangles,
+              "one block must fit");
 
 std::vector<std::uint32_t> caseTable() {
-  std::vector<std::uint32_t> words(256 * kCaseWords, 0);
+  std::vector<std::uint32_t> words(kCases * kCaseWords, 0);
   const auto cases = marchingCubesCases();
   for (std::size_t i = 0; i < cases.size(); ++i) {
     std::uint32_t* row = &words[i * kCaseWords];
@@ -34,7 +35,7 @@ struct ExtractPass::Work {
   const Kernels& kernels;
   float min_weight;
   Recorder recorder;
-  Buffer counts, listed, vertices, triangles;
+  Buffer counts, listed, surface;
 };
 
 ExtractPass::ExtractPass(Device& device) : device_(device) {
@@ -59,7 +60,7 @@ void ExtractPass::count(Work& work, std::uint32_t first_slot, std::uint32_t bloc
 }
 
 void ExtractPass::emit(Work& work, std::span<const ExtractBlock> listed) {
-  std::memcpy(work.listed.as<char>().data(), listed.data(), listed.size_bytes());
+  std::memcpy(work.listed.as<char>().subspan(cases_.bytes()).data(), listed.data(), listed.size_bytes());
   const Volume& volume = work.volume;
   const ExtractEmitParams params{static_cast<std::uint32_t>(listed.size()), work.min_weight,
                                  volume.options().colour, 0};
@@ -70,10 +71,8 @@ void ExtractPass::emit(Work& work, std::span<const ExtractBlock> listed) {
     buffers[kExtractEmitBindWeight + chunk] = &volume.weight(chunk);
     buffers[kExtractEmitBindColour + chunk] = &volume.colour(chunk);
   }
-  buffers[kExtractEmitBindCases] = &cases_;
   buffers[kExtractEmitBindListed] = &work.listed;
-  buffers[kExtractEmitBindVertices] = &work.vertices;
-  buffers[kExtractEmitBindTriangles] = &work.triangles;
+  buffers[kExtractEmitBindSurface] = &work.surface;
   work.recorder.dispatchGroups(work.kernels.emit, buffers, &params, sizeof(params),
                                static_cast<std::uint32_t>(listed.size()));
   work.recorder.submit();
@@ -97,16 +96,16 @@ void ExtractPass::run(const Volume& volume, float min_weight,
             min_weight,
             Recorder(device_),
             Buffer(device_, sizeof(ExtractCount) * kCountBatch, Memory::Readback),
-            Buffer(device_, sizeof(ExtractBlock) * kCountBatch, Memory::Upload),
-            Buffer(device_, sizeof(ExtractVertex) * kVertices, Memory::Readback),
-            Buffer(device_, 12ull * kTriangles, Memory::Readback)};
+            Buffer(device_, cases_.bytes() + sizeof(ExtractBlock) * kCountBatch, Memory::Upload),
+            Buffer(device_, kVertexBytes + 12ull * kTriangles, Memory::Readback)};
+  std::memcpy(work.listed.as<char>().data(), cases_.as<char>().data(), cases_.bytes());
   std::vector<ExtractBlock> listed;
   std::uint32_t vertices = 0, triangles = 0;
   const auto flush = [&] {
     if (listed.empty()) return;
     emit(work, listed);
-    take({listed, work.vertices.as<ExtractVertex>().first(vertices),
-          work.triangles.as<std::uint32_t>().first(3ull * triangles)});
+    take({listed, work.surface.as<ExtractVertex>().first(vertices),
+          work.surface.as<std::uint32_t>().subspan(kVertexBytes / 4, 3ull * triangles)});
     listed.clear();
     vertices = triangles = 0;
   };
@@ -117,7 +116,8 @@ void ExtractPass::run(const Volume& volume, float min_weight,
     for (std::uint32_t i = 0; i < blocks; ++i) {
       const ExtractCount counted = counts[i];
       if (counted.vertices == 0 && counted.triangles == 0) continue;
-      if (vertices + counted.vertices > kVertices || triangles + counted.triangles > kTriangles) flush();
+      if (vertices + counted.vertices > kExtractVertices || triangles + counted.triangles > kTriangles)
+        flush();
       listed.push_back({first + i, vertices, triangles, 0});
       vertices += counted.vertices;
       triangles += counted.triangles;

@@ -17,7 +17,7 @@ const RaycastKernels::Pair& RaycastKernels::of(const VolumeView& volume) {
   return pair;
 }
 
-RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera, Memory picture,
+RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera, Memory images,
                          std::shared_ptr<RaycastKernels> kernels)
     : device_(device),
       camera_(camera),
@@ -26,9 +26,7 @@ RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera, Memory 
       kernels_(kernels ? std::move(kernels) : std::make_shared<RaycastKernels>(device)) {
   const auto pixels = static_cast<std::uint64_t>(camera.size.x) * camera.size.y;
   tiles_ = Buffer(device, sizeof(RaycastTile) * tiles_x_ * tiles_y_, Memory::Device);
-  surface_ = Buffer(device, 8 * pixels, Memory::Device);
-  preview_ = Buffer(device, 4 * pixels, picture);
-  depth_ = Buffer(device, 4 * pixels, Memory::Device);
+  images_ = Buffer(device, 4 * kRaycastImageWords * pixels, images);
 }
 
 void RaycastPass::record(Recorder& recorder, const VolumeView& volume, const RaycastView& view) {
@@ -46,13 +44,21 @@ void RaycastPass::record(Recorder& recorder, const VolumeView& volume, const Ray
     buffers[kRaycastBindWeight + chunk] = &volume.weight(chunk);
     buffers[kRaycastBindColour + chunk] = &volume.colour(chunk);
   }
-  buffers[kRaycastBindSurface] = &surface_;
-  buffers[kRaycastBindPreview] = &preview_;
+  buffers[kRaycastBindImages] = &images_;
   buffers[kRaycastBindTiles] = &tiles_;
   buffers[kRaycastBindSolid] = &solid_;
-  buffers[kRaycastBindDepth] = &depth_;
   recorder.dispatchBytes(kernels.cast, buffers, &params, sizeof(params),
                          {std::uint32_t(camera_.size.x), std::uint32_t(camera_.size.y)});
+}
+
+BufferPart RaycastPass::part(std::uint32_t words_before) const {
+  const std::uint64_t pixel_bytes = images_.bytes() / kRaycastImageWords;
+  return {images_, words_before * pixel_bytes, pixel_bytes};
+}
+
+std::span<const std::uint32_t> RaycastPass::preview() const {
+  const std::size_t pixels = std::size_t(camera_.size.x) * camera_.size.y;
+  return images_.as<std::uint32_t>().subspan(kRaycastPreviewAt * pixels, pixels);
 }
 
 void RaycastPass::recordRange(Recorder& recorder, const Kernel& kernel, const VolumeView& volume,

@@ -42,31 +42,32 @@ class RaycastKernels {
 /// One camera for life. Holds the last view's images.
 class RaycastPass {
  public:
-  /// `picture`: where the preview lies; with Memory::Device preview() cannot read it. `kernels`: null: its
-  /// own.
-  RaycastPass(Device& device, const shader::CameraIntrinsics& camera, Memory picture = Memory::Readback,
+  /// `images`: where they lie; with Memory::Device preview() cannot read them. `kernels`: null: its own.
+  RaycastPass(Device& device, const shader::CameraIntrinsics& camera, Memory images = Memory::Readback,
               std::shared_ptr<RaycastKernels> kernels = nullptr);
 
   void record(Recorder& recorder, const VolumeView& volume, const RaycastView& view);
 
-  /// Two words per pixel, see kRaycastBindSurface: packed normal and depth; both 0 where nothing was hit.
-  const Buffer& surface() const { return surface_; }
+  /// Begins with two words per pixel, see kRaycastBindImages: packed normal and depth; both 0 where nothing
+  /// was hit.
+  const Buffer& surface() const { return images_; }
   /// float per pixel, see RaycastView::depth_value.
-  const Buffer& depth() const { return depth_; }
+  BufferPart depth() const { return part(shader::kRaycastDepthAt); }
   /// One word 0xAABBGGRR per pixel (red in the low byte, alpha 255 or 0), sRGB.
-  const Buffer& picture() const { return preview_; }
+  BufferPart picture() const { return part(shader::kRaycastPreviewAt); }
   /// After the submit: the picture on the host.
-  std::span<const std::uint32_t> preview() const { return preview_.as<std::uint32_t>(); }
+  std::span<const std::uint32_t> preview() const;
 
  private:
   void recordRange(Recorder& recorder, const Kernel& kernel, const VolumeView& volume,
                    const RaycastView& view);
+  BufferPart part(std::uint32_t words_before) const;
 
   Device& device_;
   shader::CameraIntrinsics camera_;
   int tiles_x_, tiles_y_;
   std::shared_ptr<RaycastKernels> kernels_;
-  Buffer tiles_, solid_, surface_, preview_, depth_;
+  Buffer tiles_, solid_, images_;
 };
 
 }  // namespace rosefusion

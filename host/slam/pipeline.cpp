@@ -5,8 +5,10 @@
 #include <cstdio>
 #include <utility>
 
+#include "engine/passes/sum_check.h"
 #include "host/core/error.h"
 #include "host/slam/baselines/pose_methods.h"
+#include "host/slam/device_sums.h"
 
 namespace rosefusion {
 namespace {
@@ -104,6 +106,10 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
       coarse_map_(device, settings, intrinsics, depth_units_per_metre) {
   tracker_.replaceBy(
       makePoseMethod(device, settings, intrinsics, tracker_.swarmSearch(), tracker_.refiner()));
+  const std::filesystem::path cache = defaultTemplateCache({}).parent_path();
+  sumsAreExact(
+      cache.empty() ? cache : cache / "compensated_sums.txt", device.info(),
+      [&] { return compensatedSumsWork(device); }, log);
   if (settings.loops.enabled)
     loops_ = makeLoopCloser(device, settings, intrinsics, depth_units_per_metre, tracker_.templates());
 }

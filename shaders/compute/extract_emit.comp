@@ -9,7 +9,7 @@
 #define VOLUME_TSDF kExtractEmitBindTsdf
 #define VOLUME_WEIGHT kExtractEmitBindWeight
 #define VOLUME_COLOUR kExtractEmitBindColour
-#define EXTRACT_CASES kExtractEmitBindCases
+#define EXTRACT_CASES kExtractEmitBindListed
 #define EXTRACT_BEFORE 1
 #define EXTRACT_SIDE 11
 #include "shaders/compute/lib/parameters.glsl"
@@ -19,17 +19,14 @@
 layout(local_size_x = kExtractGroup) in;
 PUSHED_PARAMETERS(ExtractEmitParams)
 BLOCKS(kExtractEmitBindBlocks)
-#ifdef READ_TEXELS
-READ_WORDS(listedWord, kExtractEmitBindListed)
 ExtractBlock listedAt(uint i) {
-  return ExtractBlock(listedWord(4u * i), listedWord(4u * i + 1u), listedWord(4u * i + 2u), listedWord(4u * i + 3u));
+  uint word = kCases * kCaseWords + 4u * i;
+  return ExtractBlock(caseWord(word), caseWord(word + 1u), caseWord(word + 2u), caseWord(word + 3u));
 }
-#else
-layout(std430, binding = kExtractEmitBindListed) readonly restrict buffer Listed { ExtractBlock listed[]; };
-ExtractBlock listedAt(uint i) { return listed[i]; }
-#endif
-layout(std430, binding = kExtractEmitBindVertices) writeonly restrict buffer Vertices { ExtractVertex vertices[]; };
-layout(std430, binding = kExtractEmitBindTriangles) writeonly restrict buffer Triangles { uint triangles[]; };
+layout(std430, binding = kExtractEmitBindSurface) writeonly restrict buffer Surface {
+  ExtractVertex vertices[kExtractVertices];
+  uint triangles[];
+};
 
 // Share of an edge that stays free at both ends: vertices of different edges then never coincide, which file formats
 // and viewers that merge equal points would turn into holes.

@@ -19,11 +19,9 @@
 
 layout(local_size_x = kRaycastGroup, local_size_y = kRaycastGroup) in;
 PUSHED_PARAMETERS(RaycastParams)
-layout(std430, binding = kRaycastBindSurface) writeonly restrict buffer Surface { uint surface[]; };
-layout(std430, binding = kRaycastBindPreview) writeonly restrict buffer Preview { uint preview[]; };
+layout(std430, binding = kRaycastBindImages) writeonly restrict buffer Images { uint images[]; };
 READ_WORDS(tileWord, kRaycastBindTiles)
 READ_WORDS(solidEntry, kRaycastBindSolid)
-layout(std430, binding = kRaycastBindDepth) writeonly restrict buffer Depth { float depth[]; };
 
 // For llvmpipe, which branches only from a loop's end to its begin and runs all else with lanes masked: loops test at
 // their end, for with the test at the head the body runs once more for nothing; and what a loop reads and later code needs
@@ -210,9 +208,9 @@ void main() {
     shaded = vec4(shadedColour(colourAt(position), normal, ray.direction), 1.0);
     value = params.depth_value.x + params.depth_value.y / z + params.depth_value.z * z;
   }
-  uint index = uint(pixel.y * params.size.x + pixel.x);
-  surface[2u * index] = packedDirection(normal);
-  surface[2u * index + 1u] = floatBitsToUint(z);
-  preview[index] = packUnorm4x8(shaded);
-  if ((params.size.z & kRaycastDepth) != 0) depth[index] = value;
+  uint index = uint(pixel.y * params.size.x + pixel.x), pixels = uint(params.size.x * params.size.y);
+  images[2u * index] = packedDirection(normal);
+  images[2u * index + 1u] = floatBitsToUint(z);
+  images[kRaycastPreviewAt * pixels + index] = packUnorm4x8(shaded);
+  if ((params.size.z & kRaycastDepth) != 0) images[kRaycastDepthAt * pixels + index] = floatBitsToUint(value);
 }

@@ -69,10 +69,10 @@ class SurfaceTest : public ::testing::Test {
 
 /// Contents of a device buffer.
 template <typename T>
-std::vector<T> download(Device& device, const Buffer& buffer) {
-  const Buffer copy(device, buffer.bytes(), Memory::Readback);
+std::vector<T> download(Device& device, const BufferPart& part) {
+  const Buffer copy(device, part.bytes, Memory::Readback);
   Recorder recorder(device);
-  recorder.copy(buffer, copy, buffer.bytes());
+  recorder.copy(part.buffer, copy, part.bytes, part.offset);
   recorder.submit();
   const auto contents = copy.as<T>();
   return {contents.begin(), contents.end()};

@@ -60,7 +60,7 @@ View cast(Device& device, SurfaceScene& scene, const Eigen::Isometry3d& pose, fl
   scene.recorder.submit();
   View view;
   const auto words = download<std::uint32_t>(device, pass.surface());
-  for (std::size_t i = 0; i < words.size(); i += 2) {
+  for (std::size_t i = 0; i < 2 * pass.preview().size(); i += 2) {
     const Eigen::Vector4d surface = reference::unpackedSurface(words[i], words[i + 1]);
     view.normals.emplace_back(surface.x(), surface.y(), surface.z(), surface.w());
   }

@@ -95,8 +95,6 @@ const std::map<std::string, ShaderStruct>& structsInCpp() {
       STRUCT(ExtractCount, MEMBER(ExtractCount, vertices), MEMBER(ExtractCount, triangles)),
       STRUCT(ExtractEmitParams, MEMBER(ExtractEmitParams, blocks), MEMBER(ExtractEmitParams, min_weight),
              MEMBER(ExtractEmitParams, colour), MEMBER(ExtractEmitParams, pad0)),
-      STRUCT(ExtractBlock, MEMBER(ExtractBlock, slot), MEMBER(ExtractBlock, first_vertex),
-             MEMBER(ExtractBlock, first_triangle), MEMBER(ExtractBlock, pad0)),
       STRUCT(ExtractVertex, MEMBER(ExtractVertex, x), MEMBER(ExtractVertex, y), MEMBER(ExtractVertex, z),
              MEMBER(ExtractVertex, edge), MEMBER(ExtractVertex, normal_x), MEMBER(ExtractVertex, normal_y),
              MEMBER(ExtractVertex, normal_z), MEMBER(ExtractVertex, colour)),

@@ -27,7 +27,7 @@ Icp::Icp(Device& device, const Settings& settings, const Intrinsics& intrinsics)
     : settings_(settings.icp),
       far_(static_cast<float>(settings.depth.max)),
       recorder_(device),
-      raycast_(device, toShader(intrinsics)),
+      raycast_(device, toShader(intrinsics), Memory::Device),
       icp_(device, toShader(intrinsics)) {}
 
 IcpResult Icp::align(const PreprocessPass& frame, const Volume& volume, const Pose& last) {

@@ -10,6 +10,7 @@ const uint kExtractGroup = 64u;  // one workgroup per block; an invocation owns 
 const uint kCaseTriangles = 5u;  // at most, of a cell
 const uint kCaseWords =
     6u;  // of a case in the table: number of triangles, then each one's three edges, 4 bits each
+const uint kCases = 256u;
 const uint kExtractCountBindLayout = 0u;
 const uint kExtractCountBindTable = 1u;
 const uint kExtractCountBindBlocks = 2u;  // ivec4 block coordinate per slot

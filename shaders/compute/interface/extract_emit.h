@@ -16,11 +16,12 @@ const uint kExtractEmitBindBlocks = 2u;
 const uint kExtractEmitBindTsdf = 3u;  // kMaxPoolChunks bindings
 const uint kExtractEmitBindWeight = 7u;
 const uint kExtractEmitBindColour = 11u;
-const uint kExtractEmitBindCases = 15u;
-const uint kExtractEmitBindListed = 16u;     // ExtractBlock per workgroup
-const uint kExtractEmitBindVertices = 17u;   // ExtractVertex, per block in ascending order of their edges
-const uint kExtractEmitBindTriangles = 18u;  // three edges per triangle
-const uint kExtractEmitBindings = 19u;
+const uint kExtractEmitBindListed = 15u;  // the table of cases, then an ExtractBlock per workgroup
+// kExtractVertices times ExtractVertex, per block in ascending order of their edges, then three edges per
+// triangle.
+const uint kExtractEmitBindSurface = 16u;
+const uint kExtractEmitBindings = 17u;
+const uint kExtractVertices = 262144u;  // of a batch; a block has at most kBlockEdges
 
 struct ExtractEmitParams {
   uint blocks;
@@ -29,10 +30,10 @@ struct ExtractEmitParams {
   uint pad0;
 };
 
-struct ExtractBlock {
+struct ExtractBlock {  // read word by word
   uint slot;
-  uint first_vertex;    // in the vertex buffer
-  uint first_triangle;  // in the triangle buffer
+  uint first_vertex;    // among the vertices
+  uint first_triangle;  // among the triangles
   uint pad0;
 };
 

@@ -15,12 +15,15 @@ const uint kRaycastBindColour = 10u;
 // Two words per pixel: the unit normal towards free space, world frame, as lib/direction.glsl packs it, and
 // the bits of the depth along the optical axis, metres; both 0 where nothing was hit. The point hit follows
 // from the depth. llvmpipe stores word by word and lane by lane, so what is not written saves much.
-const uint kRaycastBindSurface = 14u;
-const uint kRaycastBindPreview = 15u;  // one word per pixel: red in the low byte, alpha 255
-const uint kRaycastBindTiles = 16u;    // RaycastTile of pass raycast_range
-const uint kRaycastBindSolid = 17u;    // its table of the blocks that can stop a ray
-const uint kRaycastBindDepth = 18u;    // with kRaycastDepth: float per pixel, see RaycastParams.depth_value
-const uint kRaycastBindings = 19u;
+// Behind them, of all pixels: the preview, one word each, red in the low byte, alpha 255; then, with
+// kRaycastDepth, the depth image, the bits of a float each, see RaycastParams.depth_value.
+const uint kRaycastBindImages = 14u;
+const uint kRaycastBindTiles = 15u;  // RaycastTile of pass raycast_range
+const uint kRaycastBindSolid = 16u;  // its table of the blocks that can stop a ray
+const uint kRaycastBindings = 17u;
+const uint kRaycastPreviewAt = 2u;  // words per pixel before it
+const uint kRaycastDepthAt = 3u;
+const uint kRaycastImageWords = 4u;  // per pixel in all
 
 const int kRaycastColoured = 1;  // the surface takes its colour from the volume
 const int kRaycastClear = 2;     // the preview is 0 where nothing was hit, instead of a backdrop
