@@ -285,6 +285,13 @@ void Session::publish(const SourceFrame& frame, const FrameResult& result) {
     correctPath();
     say(told(*result.loop));
   }
+  if (result.began_anew) {
+    path_.assign(1, {Eigen::Vector3d::Zero(), 0, false});
+    trajectory_.assign(1, {last_timestamp_, Pose::Identity()});
+    last_pose_ = trajectory_.back();
+    say("The model begins anew: what it held fits neither of the last two frames.", true);
+  }
+  last_timestamp_ = result.timestamp;
   double speed = 0, turn_rate = 0;
   if (found) {
     const StampedPose now{result.timestamp, result.world_from_camera};

@@ -110,6 +110,7 @@ class Session {
   std::vector<PathPoint> path_;
   std::vector<SwarmIteration> swarm_;
   std::optional<StampedPose> last_pose_;
+  double last_timestamp_ = 0;  ///< of the frame processed last
   // Shared.
   mutable std::mutex mutex_;
   std::condition_variable changed_;

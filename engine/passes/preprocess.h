@@ -4,8 +4,7 @@
 #include <span>
 
 #include "engine/depth_reach.h"
-#include "engine/recorder.h"
-#include "engine/sensor_noise.h"
+#include "engine/passes/footprint.h"
 #include "shaders/compute/interface/camera.h"
 #include "shaders/compute/interface/farthest.h"
 #include "shaders/compute/interface/preprocess.h"
@@ -21,10 +20,10 @@ class PreprocessPass {
   /// drops pixels at edges, where a camera sees neither surface right: those that leave the plane of their
   /// neighbours by more than so many standard deviations of `noise`.
   void record(Recorder& recorder, std::span<const std::uint16_t> raw, float metres_per_unit, float min_depth,
-              float max_depth, float edge_sigmas = 0, const SensorNoise& noise = {});
+              float max_depth, float edge_sigmas = 0, const SensorNoise& noise = {}, float voxel_size = 0);
   /// The same of depths that are on the device already.
   void record(Recorder& recorder, const DevicePixels& raw, float metres_per_unit, float min_depth,
-              float max_depth, float edge_sigmas = 0, const SensorNoise& noise = {});
+              float max_depth, float edge_sigmas = 0, const SensorNoise& noise = {}, float voxel_size = 0);
   /// `rgb`: one word 0x00BBGGRR per pixel (red in the low byte). Copies at once: call between submits.
   void setColour(std::span<const std::uint32_t> rgb);
 
@@ -38,12 +37,13 @@ class PreprocessPass {
 
  private:
   void recordKernel(Recorder& recorder, float metres_per_unit, float min_depth, float max_depth,
-                    float edge_sigmas, const SensorNoise& noise);
+                    float edge_sigmas, const SensorNoise& noise, float voxel_size);
 
   Device& device_;
   shader::CameraIntrinsics camera_;
   Kernel kernel_, farthest_;
-  Buffer raw_, depth_, points_, tiles_, colour_;
+  FootprintPass footprint_;
+  Buffer raw_, own_depth_, depth_, points_, tiles_, colour_;
   bool has_colour_ = false;
 };
 

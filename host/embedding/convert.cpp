@@ -82,6 +82,7 @@ Result toResult(const FrameResult& result) {
   out.residual = result.score.residual;
   out.overlap = result.score.overlap;
   out.milliseconds = result.milliseconds.total;
+  out.began_anew = result.began_anew;
   return out;
 }
 

@@ -72,6 +72,11 @@ Result Reconstructor::Impl::process(const Frame& frame, const Semaphores& semaph
   }
   submitSemaphores(device, {}, toPoints(semaphores.signal));
   const Result result = toResult(processed);
+  if (processed.began_anew) {
+    const std::lock_guard lock(state);
+    trajectory.assign(1, {last_timestamp, kIdentity});
+  }
+  last_timestamp = result.timestamp;
   publish(result.timestamp, result.status == Status::Lost ? nullptr : &result.world_from_camera);
   if (processed.loop) {
     const std::vector<Pose> poses = pipeline.loops()->framePoses();

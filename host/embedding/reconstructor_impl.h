@@ -33,7 +33,8 @@ struct ROSEFUSION_HIDDEN Reconstructor::Impl {
   std::size_t queue_length;
   Device device;
   Pipeline pipeline;
-  std::mutex work;  ///< held while anything is done to pipeline; taken before `state`
+  double last_timestamp = 0;  ///< of the frame processed last
+  std::mutex work;            ///< held while anything is done to pipeline; taken before `state`
 
   mutable std::mutex state;  ///< of all below; held for moments only
   struct Pushed {

@@ -46,6 +46,26 @@ void finish(Pipeline& pipeline, RunSummary& summary) {
       f.result.world_from_camera = poses[next++];
 }
 
+/// The model begins anew with the last of these frames; those before have no place in it.
+void giveUp(std::vector<RunFrame>& frames) {
+  RunFrame* first = nullptr;
+  for (RunFrame& f : frames) {
+    if (f.skipped) continue;
+    if (f.result.status != TrackingStatus::Lost) f.result.reason = "the model was begun anew after it";
+    f.result.status = TrackingStatus::Lost;
+    f.result.fused = false;
+    first = &f;
+  }
+  if (!first) return;
+  first->result.status = TrackingStatus::Tracked;
+  first->result.reason.clear();
+  first->result.world_from_camera = Pose::Identity();
+  first->result.fused = true;
+  spdlog::info(
+      "The model begins anew with frame {}, for what the frames before it showed fits none that follows.",
+      first->index);
+}
+
 }  // namespace
 
 RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_frames,
@@ -81,6 +101,7 @@ RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_
       summary.end_reason = error.what();
       break;
     }
+    if (frame.result.began_anew) giveUp(summary.frames);
     summary.frames.push_back(std::move(frame));
     if (progress) progress({summary.frames.size(), total, &summary.frames.back()});
   }

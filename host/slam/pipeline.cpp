@@ -123,6 +123,60 @@ void Pipeline::changeLive(const Settings& settings) {
 }
 
 FrameResult Pipeline::processFrame(const Frame& frame) {
+  FrameResult result = follow(frame);
+  weighStart(frame, result);
+  return result;
+}
+
+void Pipeline::clear() {
+  volume_.clear();
+  tracker_.reset();
+  relocaliser_.rebase({});
+  free_space_ = KnownFreeSpace(intrinsics_, settings_.depth, depth_units_per_metre_);
+  coarse_map_.clear();
+  coarse_map_stale_ = false;
+  if (loops_)
+    loops_ = makeLoopCloser(device_, settings_, intrinsics_, depth_units_per_metre_, tracker_.templates());
+  frames_with_pose_ = 0;
+  started_ = intruded_ = false;
+  inlier_statistics_ = {};
+  verification_.end();
+  tentative_.reset();
+}
+
+void Pipeline::weighStart(const Frame& frame, FrameResult& result) {
+  const double told = result.score.valid_share;
+  const auto met = [&](const FrameResult& r) { return told * (r.fit ? r.fit->close : 1 - r.score.residual); };
+  if (result.fused && frames_with_pose_ == 1) return start_.begin(frame, told);
+  if (result.fused) return start_.confirm(met(result));
+  if (result.status != TrackingStatus::Lost) return;
+  const std::optional<ModelStart::Candidate> rival = start_.rival(frame, told);
+  if (!rival) return;
+  const ModelStart::Candidate first = *start_.first();
+  const auto beginWith = [&](const ModelStart::Candidate& candidate) {
+    clear();
+    follow(candidate.frame);
+    start_.begin(candidate.frame, candidate.told);
+  };
+  beginWith(*rival);
+  FrameResult again = follow(frame);
+  again.milliseconds.total += result.milliseconds.total;
+  again.began_anew = true;
+  if (again.status != TrackingStatus::Lost) {
+    if (again.fused) start_.confirm(met(again));
+    result = again;
+    return;
+  }
+  if (rival->told > first.told) {
+    result = again;
+  } else {  // neither fits it: the first one stays
+    beginWith(first);
+    tracker_.setLost();
+  }
+  start_.rival(frame, told);
+}
+
+FrameResult Pipeline::follow(const Frame& frame) {
   FrameResult result;
   result.timestamp = frame.timestamp;
   const StageTimer total(result.milliseconds.total);
@@ -290,6 +344,7 @@ void Pipeline::requireFixedPoses() const {
 void Pipeline::accept(const Pose& world_from_camera, double timestamp, const cv::Mat& depth) {
   if (!depth.empty()) free_space_.keep(depth, world_from_camera, frames_with_pose_);
   started_ = true;
+  start_.settle();
   verification_.end();
   const std::size_t number = frames_with_pose_++;
   tracker_.accept(world_from_camera, timestamp);

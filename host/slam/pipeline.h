@@ -7,6 +7,7 @@
 #include "host/slam/mapping/coarse_map.h"
 #include "host/slam/mapping/frame_integrator.h"
 #include "host/slam/mapping/free_space.h"
+#include "host/slam/mapping/model_start.h"
 #include "host/slam/relocalisation/pose_verification.h"
 #include "host/slam/relocalisation/relocaliser.h"
 #include "host/slam/tracking/tracker.h"
@@ -38,6 +39,9 @@ struct FrameResult {
   /// the camera, or the pose is wrong.
   double intruding = 0;
   bool fused = false;
+  /// The model begins anew with the frame before this one, whose pose is the identity; what it held until
+  /// then fits neither. All poses told before are void.
+  bool began_anew = false;
   std::optional<LoopClosure>
       loop;  ///< closed at this frame: all earlier poses have changed; see LoopCloser::framePoses()
   int iterations = 0;
@@ -82,7 +86,11 @@ class Pipeline {
   const Intrinsics& intrinsics() const { return intrinsics_; }
 
  private:
+  FrameResult follow(const Frame& frame);
   void track(const Frame& frame, FrameResult& result);
+  /// Replaces a model that hardly a frame has confirmed by one of the frames that do not fit it.
+  void weighStart(const Frame& frame, FrameResult& result);
+  void clear();
   void verify(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result);
   bool isIntruded(const FrameResult& result);
   /// Where the camera is never lost, keyframes serve nobody.
@@ -105,6 +113,7 @@ class Pipeline {
   std::unique_ptr<LoopCloser> loops_;  ///< with loops.enabled
   std::size_t frames_with_pose_ = 0;   ///< so far, as the loop closer counts them
   bool started_ = false;
+  ModelStart start_;
   bool intruded_ = false;
   InlierStatistics inlier_statistics_;
   TemporalVerification verification_;

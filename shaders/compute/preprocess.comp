@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// 16-bit depth to metres and camera-frame points; 0, 65535 and what lies outside the range is invalid, and, on demand,
-// pixels where the surface bends or jumps by more than the sensor's noise. No smoothing: the paper tracks on raw depth.
+// 16-bit depth to metres; 0, 65535 and what lies outside the range is invalid, and, on demand, pixels where the surface bends
+// or jumps by more than the sensor's noise.
 #include "shaders/compute/interface/preprocess.h"
 #include "shaders/compute/lib/depth_noise.glsl"
 #include "shaders/compute/lib/parameters.glsl"
@@ -11,7 +11,6 @@ layout(local_size_x = kPreprocessGroup) in;
 PUSHED_PARAMETERS(PreprocessParams)
 READ_WORDS(rawPair, kPreprocessBindRaw)
 layout(std430, binding = kPreprocessBindDepth) writeonly restrict buffer Depth { float depth[]; };
-layout(std430, binding = kPreprocessBindPoints) writeonly restrict buffer Points { vec4 points[]; };
 
 // Metres; 0 where invalid.
 float metresOf(uint value) {
@@ -39,9 +38,7 @@ void convert(uint pixel, uint value) {
     const ivec2 kX = ivec2(kEdgeReach, 0), kY = ivec2(0, kEdgeReach);
     if (bends(metresAt(at - kX), z, metresAt(at + kX)) || bends(metresAt(at - kY), z, metresAt(at + kY))) z = 0.0;
   }
-  vec2 ray = (vec2(at) - params.focal_centre.zw) / params.focal_centre.xy;
   depth[pixel] = z;
-  points[pixel] = z > 0.0 ? vec4(ray * z, z, 1.0) : vec4(0.0);
 }
 
 void main() {

@@ -14,6 +14,7 @@
 #include "shaders/compute/interface/farthest.h"
 #include "shaders/compute/interface/fitness.h"
 #include "shaders/compute/interface/fitness_reduce.h"
+#include "shaders/compute/interface/footprint.h"
 #include "shaders/compute/interface/icp.h"
 #include "shaders/compute/interface/integrate.h"
 #include "shaders/compute/interface/preprocess.h"
@@ -65,11 +66,15 @@ const std::map<std::string, ShaderStruct>& structsInCpp() {
              MEMBER(IntegrateParams, noise_floor), MEMBER(IntegrateParams, noise_growth),
              MEMBER(IntegrateParams, bias_growth), MEMBER(IntegrateParams, thin_walls)),
       STRUCT(FarthestParams, MEMBER(FarthestParams, size)),
-      STRUCT(PreprocessParams, MEMBER(PreprocessParams, focal_centre), MEMBER(PreprocessParams, size),
-             MEMBER(PreprocessParams, metres_per_unit), MEMBER(PreprocessParams, min_depth),
-             MEMBER(PreprocessParams, max_depth), MEMBER(PreprocessParams, edge_sigmas),
-             MEMBER(PreprocessParams, noise_floor), MEMBER(PreprocessParams, noise_growth),
-             MEMBER(PreprocessParams, pad0), MEMBER(PreprocessParams, pad1)),
+      STRUCT(MomentsParams, MEMBER(MomentsParams, size), MEMBER(MomentsParams, cells)),
+      STRUCT(FootprintParams, MEMBER(FootprintParams, focal_centre), MEMBER(FootprintParams, size),
+             MEMBER(FootprintParams, voxel_size), MEMBER(FootprintParams, noise_floor),
+             MEMBER(FootprintParams, noise_growth), MEMBER(FootprintParams, pad0)),
+      STRUCT(PreprocessParams, MEMBER(PreprocessParams, size), MEMBER(PreprocessParams, metres_per_unit),
+             MEMBER(PreprocessParams, min_depth), MEMBER(PreprocessParams, max_depth),
+             MEMBER(PreprocessParams, edge_sigmas), MEMBER(PreprocessParams, noise_floor),
+             MEMBER(PreprocessParams, noise_growth), MEMBER(PreprocessParams, pad0),
+             MEMBER(PreprocessParams, pad1)),
       STRUCT(RefineParams, MEMBER(RefineParams, huber), MEMBER(RefineParams, noise_floor),
              MEMBER(RefineParams, noise_growth), MEMBER(RefineParams, parts),
              MEMBER(RefineParams, last_image), MEMBER(RefineParams, bias_growth),

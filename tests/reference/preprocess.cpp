@@ -51,7 +51,8 @@ PointImage preprocess(std::span<const std::uint16_t> raw, const Intrinsics& came
   return image;
 }
 
-Comparison compare(const PointImage& expected, std::span<const float> depth, std::span<const float> points) {
+Comparison compare(const PointImage& expected, std::span<const float> depth, std::span<const float> points,
+                   double relative_tolerance) {
   Comparison result;
   for (std::size_t i = 0; i < expected.depth.size(); ++i) {
     if (expected.uncertain[i]) {
@@ -62,7 +63,7 @@ Comparison compare(const PointImage& expected, std::span<const float> depth, std
     const float* p = &points[4 * i];
     const bool same_validity = (z > 0) == (depth[i] > 0) && (z > 0) == (p[3] == 1) && (z > 0 || p[3] == 0);
     // Relative to the range to the point: x and y may be 0.
-    const double tolerance = kPointTolerance * std::max(expected.points[i].norm(), 1e-30);
+    const double tolerance = relative_tolerance * std::max(expected.points[i].norm(), 1e-30);
     const double error =
         std::max(std::abs(z - depth[i]), (expected.points[i] - Eigen::Vector3d(p[0], p[1], p[2])).norm());
     result.add(

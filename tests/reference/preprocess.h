@@ -39,6 +39,7 @@ PointImage preprocess(std::span<const std::uint16_t> raw, const Intrinsics& came
                       const DepthSensor& sensor);
 
 /// `depth`: metres per pixel; `points`: x, y, z, valid per pixel.
-Comparison compare(const PointImage& expected, std::span<const float> depth, std::span<const float> points);
+Comparison compare(const PointImage& expected, std::span<const float> depth, std::span<const float> points,
+                   double relative_tolerance = kPointTolerance);
 
 }  // namespace rosefusion::reference

@@ -62,6 +62,9 @@ struct Result {
   double residual = 0;      ///< mean distance of depth and model, 0 to 1 (the truncation)
   double overlap = 0;       ///< share of the pixels that the last frame saw, 0 to 1
   double milliseconds = 0;  ///< from depth image to fused volume, waiting in the queue left out
+  /// The model was begun anew with the frame before this one, whose camera is now the world: what it had
+  /// begun with fits neither, such as an incomplete first image. All poses told before are void.
+  bool began_anew = false;
 };
 
 struct TimedPose {

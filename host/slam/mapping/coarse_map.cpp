@@ -47,6 +47,12 @@ void CoarseMap::place(const View& view, const Pose& world_from_camera) {
     patches_.push_back({world_from_camera * patch.point, world_from_camera.linear() * patch.normal});
 }
 
+void CoarseMap::clear() {
+  volume_.clear();
+  views_.clear();
+  patches_.clear();
+}
+
 void CoarseMap::rebase(std::span<const Pose> frame_poses) {
   patches_.clear();
   for (const View& view : views_) place(view, frame_poses[view.frame]);

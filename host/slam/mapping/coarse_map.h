@@ -16,6 +16,7 @@ class CoarseMap {
            std::size_t frame);
   /// Voxels and truncation are several times those of the model proper. No colour.
   const Volume& volume() const { return volume_; }
+  void clear();
   /// To be made anew by the caller after rebase().
   Volume& volume() { return volume_; }
   /// After a correction of the map: every frame's pose, by its number.

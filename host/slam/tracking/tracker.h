@@ -40,6 +40,11 @@ class Tracker {
   /// Tells that no pose was found: from now on the camera is to be relocalised.
   void setLost();
   bool isLost() const { return state_.lost; }
+  /// Tells that the model begins anew: what was tracked before is forgotten.
+  void reset() {
+    state_ = {};
+    before_tentative_.reset();
+  }
   /// From now on told of every iteration of the searches with particles.
   void observe(SearchObserver observer) { observer_ = std::move(observer); }
   const SearchObserver& observer() const { return observer_; }

@@ -1,4 +1,4 @@
-// Pass preprocess: 16-bit depth to metres and camera-frame points.
+// Pass preprocess: 16-bit depth to metres.
 #ifndef ROSEFUSION_INTERFACE_PREPROCESS_H
 #define ROSEFUSION_INTERFACE_PREPROCESS_H
 #include "shaders/compute/interface/types.h"
@@ -6,15 +6,13 @@
 namespace rosefusion::shader {
 #endif
 
-const uint kPreprocessGroup = 64u;      // invocations of a group; one handles two neighbouring pixels
-const uint kPreprocessBindRaw = 0u;     // two 16-bit depths per word
-const uint kPreprocessBindDepth = 1u;   // float metres, 0 = invalid
-const uint kPreprocessBindPoints = 2u;  // vec4 per pixel: camera-frame point, w = 1 where valid, else all 0
+const uint kPreprocessGroup = 64u;     // invocations of a group; one handles two neighbouring pixels
+const uint kPreprocessBindRaw = 0u;    // two 16-bit depths per word
+const uint kPreprocessBindDepth = 1u;  // float metres, 0 = invalid
 
 const int kEdgeReach = 2;
 
 struct PreprocessParams {
-  vec4 focal_centre;
   ivec4 size;  // width, height
   float metres_per_unit;
   float min_depth;  // metres; nearer and farther depths are invalid
