@@ -146,7 +146,9 @@ void Pipeline::clear() {
 
 void Pipeline::weighStart(const Frame& frame, FrameResult& result) {
   const double told = result.score.valid_share;
-  const auto met = [&](const FrameResult& r) { return told * (r.fit ? r.fit->close : 1 - r.score.residual); };
+  const auto met = [&](const FrameResult& r) {
+    return told * (r.fit ? r.fit->inlier_ratio : 1 - r.score.residual);
+  };
   if (result.fused && frames_with_pose_ == 1) return start_.begin(frame, told);
   if (result.fused) return start_.confirm(met(result));
   if (result.status != TrackingStatus::Lost) return;
