@@ -128,7 +128,8 @@ class PointSearch final : public SurfaceDistance::Search {
   double distance(const Eigen::Vector3d& point) const override {
     std::size_t nearest = 0;
     double squared = 0;
-    tree_.knnSearch(point.data(), 1, &nearest, &squared);
+    if (tree_.knnSearch(point.data(), 1, &nearest, &squared) == 0)
+      return std::numeric_limits<double>::infinity();  // there is no surface
     return std::sqrt(squared);
   }
 

@@ -20,7 +20,7 @@ struct ParticleCloud {
 using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, ParticleCloud, double>,
                                                    ParticleCloud, 6, size_t>;
 
-// Distance from each particle to its nearest other one.
+// Distance from each particle to its nearest other one; none where there is no other.
 std::vector<double> nearestDistances(const std::vector<Particle>& particles) {
   const ParticleCloud cloud{particles};
   const KdTree tree(6, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(32));
@@ -29,8 +29,9 @@ std::vector<double> nearestDistances(const std::vector<Particle>& particles) {
   for (const Particle& particle : particles) {
     std::array<size_t, 2> found{};
     std::array<double, 2> squared{};
-    tree.knnSearch(particle.data(), 2, found.data(), squared.data());  // the first is the particle itself
-    distances.push_back(std::sqrt(squared[1]));
+    // The first is the particle itself.
+    if (tree.knnSearch(particle.data(), 2, found.data(), squared.data()) == 2)
+      distances.push_back(std::sqrt(squared[1]));
   }
   return distances;
 }

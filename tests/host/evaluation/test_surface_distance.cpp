@@ -82,6 +82,12 @@ TEST(SurfaceDistance, ToAPointCloudEqualsTheSearchThroughAll) {
   }
 }
 
+TEST(SurfaceDistance, ToNothingIsInfinite) {
+  const TriangleMesh nothing;
+  EXPECT_EQ(SurfaceDistance(nothing).to({Vector3d(1, 2, 3)}),
+            std::vector<double>{std::numeric_limits<double>::infinity()});
+}
+
 TEST(SampleSurface, IsUniformByAreaAndOnTheTriangles) {
   // A small and a large triangle, areas 1 : 8, the large one in the plane z = 2.
   const TriangleMesh mesh{
