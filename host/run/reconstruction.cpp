@@ -47,9 +47,9 @@ void finish(Pipeline& pipeline, RunSummary& summary) {
 }
 
 /// The model begins anew with the last of these frames; those before have no place in it.
-void giveUp(std::vector<RunFrame>& frames) {
+void beginAnew(RunSummary& summary) {
   RunFrame* first = nullptr;
-  for (RunFrame& f : frames) {
+  for (RunFrame& f : summary.frames) {
     if (f.skipped) continue;
     if (f.result.status != TrackingStatus::Lost) f.result.reason = "the model was begun anew after it";
     f.result.status = TrackingStatus::Lost;
@@ -61,6 +61,7 @@ void giveUp(std::vector<RunFrame>& frames) {
   first->result.reason.clear();
   first->result.world_from_camera = Pose::Identity();
   first->result.fused = true;
+  summary.began_anew_with = first->index;
   spdlog::info(
       "The model begins anew with frame {}, for what the frames before it showed fits none that follows.",
       first->index);
@@ -101,7 +102,7 @@ RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_
       summary.end_reason = error.what();
       break;
     }
-    if (frame.result.began_anew) giveUp(summary.frames);
+    if (frame.result.began_anew) beginAnew(summary);
     summary.frames.push_back(std::move(frame));
     if (progress) progress({summary.frames.size(), total, &summary.frames.back()});
   }

@@ -28,7 +28,9 @@ enum class RunEnd { Finished, Interrupted, DeviceFull };
 struct RunSummary {
   std::vector<RunFrame> frames;
   RunEnd end = RunEnd::Finished;
-  std::string end_reason;            ///< the device's sentence for DeviceFull
+  std::string end_reason;  ///< the device's sentence for DeviceFull
+  /// In the sequence, of the frame that the model was begun anew with; FrameResult::began_anew.
+  std::optional<std::size_t> began_anew_with;
   double seconds = 0;                ///< wall time of the loop, reading included
   std::optional<LoopFigures> loops;  ///< with loops.enabled
 

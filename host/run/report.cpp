@@ -75,6 +75,7 @@ Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& p
   report["device"] = {{"name", device.name}, {"driver", device.driver}, {"type", toString(device.type)}};
   report["end"] = toString(summary.end);
   report["frames"] = summary.frames.size();
+  if (summary.began_anew_with) report["began_anew_with"] = *summary.began_anew_with;
   report["tracked"] = summary.count(TrackingStatus::Tracked);
   report["uncertain"] = summary.count(TrackingStatus::Uncertain);
   report["relocalised"] = summary.count(TrackingStatus::Relocalised);
