@@ -4,12 +4,13 @@
 #include <sstream>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 
 namespace rosefusion {
 
 void requirePlausible(const Intrinsics& k, const std::string& source) {
   const auto reject = [&](const std::string& why) {
-    std::ostringstream text;
+    TextStream text;
     text << source << ": implausible camera intrinsics (fx " << k.fx << ", fy " << k.fy << ", cx " << k.cx
          << ", cy " << k.cy << ", " << k.width << "x" << k.height << "): " << why;
     throw InputError(text.str());

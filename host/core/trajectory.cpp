@@ -9,6 +9,7 @@
 
 #include "host/core/error.h"
 #include "host/core/file_io.h"
+#include "host/core/number_text.h"
 
 namespace rosefusion {
 
@@ -29,11 +30,11 @@ Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsort
     double v[8];
     bool good = true;
     for (double& value : v) {
-      std::string token;  // via strtod: operator>> refuses "nan", which deserves its own words
+      std::string token;  // not read as a number: operator>> refuses "nan", which deserves its own words
       good = good && (fields >> token);
-      char* end = nullptr;
-      value = good ? std::strtod(token.c_str(), &end) : 0;
-      good = good && end && *end == '\0';
+      const std::optional<double> read = good ? parseNumber(token) : std::nullopt;
+      good = read.has_value();
+      value = read.value_or(0);
     }
     std::string surplus;
     good = good && !(fields >> surplus);  // longer lines are another format, such as KITTI's 3x4 matrices
@@ -64,7 +65,7 @@ Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsort
 }
 
 void writeTumTrajectory(const std::filesystem::path& file, const Trajectory& trajectory) {
-  std::ostringstream text;
+  TextStream text;
   text << "# timestamp tx ty tz qx qy qz qw (camera to world, metres)\n" << std::fixed;
   for (const StampedPose& p : trajectory) {
     const Eigen::Quaterniond q = canonical(Eigen::Quaterniond(p.world_from_camera.linear()));

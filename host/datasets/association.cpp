@@ -1,20 +1,19 @@
 #include "host/datasets/association.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <numeric>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 #include "host/datasets/image_file.h"
 #include "host/datasets/text_table.h"
 
 namespace rosefusion::datasets {
 namespace {
 
-bool mentionsDepth(std::string path) {
-  std::transform(path.begin(), path.end(), path.begin(), [](unsigned char c) { return std::tolower(c); });
-  return path.find("depth") != std::string::npos;
+bool mentionsDepth(const std::string& path) {
+  return lowered(path).find("depth") != std::string::npos;
 }
 
 bool isDepthImage(const std::filesystem::path& file) {

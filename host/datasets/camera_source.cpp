@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 #include "host/datasets/text_table.h"
 
 namespace rosefusion::datasets {
@@ -68,7 +69,7 @@ void chooseCamera(const CameraSource& camera, double depth_units_per_metre, cons
   info.depth_units_per_metre = options.depth_units_per_metre.value_or(depth_units_per_metre);
   const double units = info.depth_units_per_metre;
   if (!std::isfinite(units) || units < 1 || units > 1e6)
-    throw InputError(info.path.string() + ": depth_units_per_metre is " + std::to_string(units) +
+    throw InputError(info.path.string() + ": depth_units_per_metre is " + printed("%g", units) +
                      "; give how many depth units make a metre, 1 to 1000000 (1000 for millimetres).");
 }
 

@@ -1,8 +1,7 @@
 // From the figures of an inspection to plain words: every threshold and its reason.
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 
+#include "host/core/number_text.h"
 #include "host/datasets/inspection.h"
 
 namespace rosefusion {
@@ -18,15 +17,6 @@ constexpr double kManyOddFrames = 0.02;
 constexpr double kFastestKnown = 4;     ///< m/s; the paper's fastest sequence
 constexpr double kTruthCoverage = 0.9;  ///< share of frames; recordings often start before the truth
 constexpr double kSlowestRate = 1, kFastestRate = 1000;  ///< Hz; outside, stamps are hardly seconds
-
-[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
-  char text[1024];
-  va_list values;
-  va_start(values, pattern);
-  std::vsnprintf(text, sizeof text, pattern, values);
-  va_end(values);
-  return text;
-}
 
 /// "1 gap", "2 gaps".
 std::string counted(std::size_t count, const std::string& noun, std::string nouns = "") {
@@ -45,7 +35,7 @@ std::string likelyScale(double median_units) {
                {10000, "tenths of millimetres"}};
   for (const auto& scale : known)
     if (median_units / scale.units > 0.5 && median_units / scale.units < 8)
-      return format("; %g (%s) would make it %.2f m", scale.units, scale.where, median_units / scale.units);
+      return printed("; %g (%s) would make it %.2f m", scale.units, scale.where, median_units / scale.units);
   return "";
 }
 
@@ -56,14 +46,14 @@ void judgeReading(const SequenceInfo& info, const Inspection& r, std::vector<Fin
     const bool most = static_cast<double>(bad) > kManyUnreadable * static_cast<double>(seen);
     findings.push_back(
         {most,
-         format("%zu of %zu depth images cannot be read; frame %zu: ", bad, seen, r.unreadable[0].index) +
+         printed("%zu of %zu depth images cannot be read; frame %zu: ", bad, seen, r.unreadable[0].index) +
              r.unreadable[0].problem,
          most ? "copy or export the sequence again" : "they will be skipped; replace the files to use them"});
   }
   if (!r.colourless.empty())
     findings.push_back({false,
-                        format("%zu of %zu colour images cannot be used; frame %zu: ", r.colourless.size(),
-                               r.images_read, r.colourless[0].index) +
+                        printed("%zu of %zu colour images cannot be used; frame %zu: ", r.colourless.size(),
+                                r.images_read, r.colourless[0].index) +
                             r.colourless[0].problem,
                         "those frames are taken by their depth alone; export colour that is registered to "
                         "the depth images"});
@@ -85,20 +75,20 @@ void judgeDepth(const SequenceInfo& info, const Inspection& r, std::vector<Findi
   if (middle < kNearestMedian || middle > kFurthestMedian)
     findings.push_back(
         {true,
-         format("half of all depths are %s %.3g m: the depth scale (%g units per metre) is hardly right",
-                middle < kNearestMedian ? "under" : "over", middle, info.depth_units_per_metre),
+         printed("half of all depths are %s %.3g m: the depth scale (%g units per metre) is hardly right",
+                 middle < kNearestMedian ? "under" : "over", middle, info.depth_units_per_metre),
          "set depth_units_per_metre" + likelyScale(middle * info.depth_units_per_metre)});
   if (r.valid_share_median < kLowValidShare)
     findings.push_back(
         {r.valid_share_median < kHopelessValidShare,
-         format("half of the frames have valid depth in under %.1f %% of the pixels",
-                100 * r.valid_share_median),
+         printed("half of the frames have valid depth in under %.1f %% of the pixels",
+                 100 * r.valid_share_median),
          "stay within the camera's range, avoid glass and sunlight, or check the depth export"});
   else if (r.valid_share_worst < kHopelessValidShare && r.empty_frames == 0)
     findings.push_back(
         {false,
-         format("frame %zu has valid depth in only %.1f %% of its pixels", r.worst_frame,
-                100 * r.valid_share_worst),
+         printed("frame %zu has valid depth in only %.1f %% of its pixels", r.worst_frame,
+                 100 * r.valid_share_worst),
          "expect tracking to be uncertain there; cut the sequence before it if it ends badly"});
   if (r.empty_frames > 0)
     findings.push_back({false, counted(r.empty_frames, "frame") + " without any valid depth",
@@ -116,7 +106,7 @@ void judgeDepth(const SequenceInfo& info, const Inspection& r, std::vector<Findi
 
 void judgeTime(const SequenceInfo& info, const Inspection& r, std::vector<Finding>& findings) {
   if (r.frames > 1 && (r.frames_per_second < kSlowestRate || r.frames_per_second > kFastestRate))
-    findings.push_back({false, format("the time stamps make %.4g frames per second", r.frames_per_second),
+    findings.push_back({false, printed("the time stamps make %.4g frames per second", r.frames_per_second),
                         "time stamps must be in seconds; correct the list or the fps"});
   if (r.repeated_stamps > 0)
     findings.push_back({false,
@@ -129,7 +119,7 @@ void judgeTime(const SequenceInfo& info, const Inspection& r, std::vector<Findin
     findings.push_back(
         {false,
          counted(r.gaps.size(), "gap") +
-             format(" in time, the longest %.2f s after frame %zu", longest->seconds, longest->after_frame),
+             printed(" in time, the longest %.2f s after frame %zu", longest->seconds, longest->after_frame),
          "tracking may be lost there when the camera moves fast; look at the recorder's dropped frames"});
   }
   if (info.truth.empty()) return;
@@ -137,17 +127,17 @@ void judgeTime(const SequenceInfo& info, const Inspection& r, std::vector<Findin
   if (covered < kTruthCoverage)
     findings.push_back(
         {false,
-         format("the truth covers %zu of %zu frames: frames %.3f to %.3f, truth %.3f to %.3f",
-                r.frames_with_truth, r.frames, r.first_stamp, r.last_stamp, info.truth.front().timestamp,
-                info.truth.back().timestamp),
+         printed("the truth covers %zu of %zu frames: frames %.3f to %.3f, truth %.3f to %.3f",
+                 r.frames_with_truth, r.frames, r.first_stamp, r.last_stamp, info.truth.front().timestamp,
+                 info.truth.back().timestamp),
          covered > 0
              ? "frames without truth are left out of the evaluation"
              : "the truth's stamps do not match the frames'; check that both belong to one recording"});
   if (r.speeds && r.speeds->linear_max > kFastestKnown)
     findings.push_back(
         {false,
-         format("the camera moves at up to %.1f m/s, faster than the method was shown to track",
-                r.speeds->linear_max),
+         printed("the camera moves at up to %.1f m/s, faster than the method was shown to track",
+                 r.speeds->linear_max),
          "check that the truth is in metres and the stamps in seconds; else expect lost frames"});
 }
 

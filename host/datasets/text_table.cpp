@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <sstream>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 
 namespace rosefusion::datasets {
 
@@ -31,9 +31,9 @@ TextTable readTextTable(const std::filesystem::path& file) {
 }
 
 bool parseNumber(const std::string& field, double& value) {
-  char* end = nullptr;
-  value = std::strtod(field.c_str(), &end);
-  return !field.empty() && *end == '\0';
+  const std::optional<double> number = rosefusion::parseNumber(field);
+  value = number.value_or(0);
+  return number.has_value();
 }
 
 std::optional<std::string> digitsBetween(const std::string& name, std::string_view prefix,

@@ -4,6 +4,7 @@
 #include <map>
 #include <string_view>
 
+#include "host/core/number_text.h"
 #include "host/datasets/association.h"
 #include "host/datasets/listing.h"
 #include "host/datasets/text_table.h"
@@ -18,8 +19,7 @@ constexpr double kUnitsPerMetre = 5000;
 
 /// 1, 2 or 3 when the text names one of the three cameras the data set was recorded with, else 0.
 int freiburgNumber(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  text += ' ';
+  text = lowered(text) + ' ';
   for (const std::string_view name : {"freiburg", "fr"})
     for (auto at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) {
       const std::size_t digit = at + name.size();

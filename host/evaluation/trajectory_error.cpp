@@ -1,4 +1,5 @@
 #include "host/evaluation/trajectory_error.h"
+#include "host/core/number_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,7 +68,7 @@ void countFrames(const Trajectory& estimate, const Trajectory& truth, const std:
                  const TrajectoryErrorOptions& options, TrajectoryErrors& errors) {
   std::vector<double> estimated = stamps(estimate);
   const double estimate_interval = usualInterval(estimated), truth_interval = usualInterval(stamps(truth));
-  std::ostringstream basis;
+  TextStream basis;
   if (options.sequence_frames > 0) {
     errors.frames = std::max(options.sequence_frames, estimate.size());
     errors.lost_frames = errors.frames - estimate.size();
@@ -96,7 +97,7 @@ void countFrames(const Trajectory& estimate, const Trajectory& truth, const std:
 }
 
 std::string describeAssociation(const TrajectoryErrors& errors, const TrajectoryErrorOptions& options) {
-  std::ostringstream text;
+  TextStream text;
   if (options.association == Association::kNearest)
     text << "nearest stamps, one to one, at most " << options.max_difference_s << " s apart";
   else

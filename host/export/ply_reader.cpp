@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -11,6 +10,7 @@
 #include <string>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 
 namespace rosefusion {
 namespace {
@@ -78,6 +78,7 @@ class PlyReader {
     if (headerLine() != "ply") damaged("it does not start with 'ply'");
     for (std::string line = headerLine(); line != "end_header"; line = headerLine()) {
       std::istringstream words(line);
+      words.imbue(std::locale::classic());
       std::string word, second;
       words >> word >> second;
       if (word == "format") {
@@ -121,12 +122,12 @@ class PlyReader {
 
   double readValue(Type type) {
     if (text_) {
-      char* end = nullptr;
-      const double value = std::strtod(bytes_.c_str() + at_, &end);
-      const auto next = static_cast<std::size_t>(end - bytes_.c_str());
-      if (next == at_) damaged("it ends too early or holds something that is no number");
-      at_ = next;
-      return value;
+      std::string_view rest = std::string_view(bytes_).substr(at_);
+      rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n\f\v"), rest.size()));
+      const std::optional<double> value = takeNumber(rest);
+      if (!value) damaged("it ends too early or holds something that is no number");
+      at_ = bytes_.size() - rest.size();
+      return *value;
     }
     switch (type) {
       case Type::kInt8:

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <numeric>
 #include <sstream>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 #include "host/settings/presets.h"
 
 namespace rosefusion {
@@ -48,12 +50,10 @@ const SettingsField& findField(std::string_view key, const std::string& source) 
 }
 
 double numberOf(const std::string& text, const SettingsField& field, const std::string& source, bool whole) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  const bool number =
-      !text.empty() && *end == '\0' && std::isfinite(value) && (!whole || value == std::floor(value));
+  const double value = parseNumber(text).value_or(std::numeric_limits<double>::quiet_NaN());
+  const bool number = std::isfinite(value) && (!whole || value == std::floor(value));
   if (!number || value < field.min || value > field.max) {
-    std::ostringstream sentence;
+    TextStream sentence;
     sentence << source << ": " << field.key << " = '" << text << "' must be a " << (whole ? "whole " : "")
              << "number from " << field.min << " to " << field.max
              << (field.unit.empty() ? "" : " " + field.unit) << ".";
@@ -77,6 +77,7 @@ std::vector<SwarmLevel> levelsOf(const std::string& text, const SettingsField& f
     SwarmLevel level;
     char slash = 0;
     std::istringstream parts(word);
+    parts.imbue(std::locale::classic());
     if (!(parts >> level.particles >> slash >> level.pixel_stride) || slash != '/' || !parts.eof() ||
         level.particles < 32 || level.particles > 200000 || level.pixel_stride < 1 ||
         level.pixel_stride > 256)
@@ -114,7 +115,7 @@ void setField(Settings& settings, std::string_view key, const std::string& value
 }
 
 std::string fieldText(const Settings& settings, const SettingsField& field) {
-  std::ostringstream text;
+  TextStream text;
   text.precision(12);
   Settings copy = settings;  // the table's references are to mutable settings
   std::visit(Overloaded{[&](const double* v) { text << *v; }, [&](const int* v) { text << *v; },
@@ -167,7 +168,7 @@ void applyYamlText(Settings& settings, const std::string& text, const std::strin
 
 void applyYamlFile(Settings& settings, const std::filesystem::path& file) {
   std::ifstream in(file);
-  std::ostringstream text;
+  TextStream text;
   if (in) text << in.rdbuf();
   if (text.str().empty())
     throw InputError(file.string() +
@@ -194,7 +195,7 @@ Settings loadSettings(const std::string& preset_or_file) {
 }
 
 std::string toYaml(const Settings& settings) {
-  std::ostringstream out;
+  TextStream out;
   std::string group;
   for (const SettingsField& field : settingsTable()) {
     const std::string name = field.key.substr(0, field.key.find('.'));

@@ -4,12 +4,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <string>
 #include <utility>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 #include "host/export/mesh_io.h"
 
 namespace rosefusion {
@@ -131,11 +131,7 @@ Scene loadScene(const std::filesystem::path& file, UpAxis up) {
   for (const Eigen::Vector3f& v : scene.mesh.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
   const Eigen::Vector3f size = high - low;
   if (size.minCoeff() < 1 || size.maxCoeff() > 200) {
-    const auto metres = [](float v) {
-      char text[32];
-      std::snprintf(text, sizeof text, "%.3g", static_cast<double>(v));
-      return std::string(text);
-    };
+    const auto metres = [](float v) { return printed("%.3g", static_cast<double>(v)); };
     throw InputError(file.string() + ": the mesh measures " + metres(size.x()) + " x " + metres(size.y()) +
                      " x " + metres(size.z()) + " m, which is no room or building; scale it to metres.");
   }
