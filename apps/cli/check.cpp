@@ -12,6 +12,7 @@
 #include "host/core/error.h"
 #include "host/core/number_text.h"
 #include "host/datasets/inspection.h"
+#include "host/settings/settings.h"
 
 namespace rosefusion::cli {
 namespace {
@@ -52,7 +53,9 @@ std::string describe(const SequenceInfo& info, const Inspection& r) {
        printed("fx %g, fy %g, cx %g, cy %g (%s", k.fx, k.fy, k.cx, k.cy,
                info.intrinsics_assumed ? "assumed: " : "") +
            info.intrinsics_source + ")");
-  line(out, "depth scale", printed("%g units per metre", info.depth_units_per_metre));
+  line(out, "depth scale",
+       printed("%g units per metre%s", info.depth_units_per_metre,
+               info.depth_units_assumed ? (" (assumed: as " + info.format + " has it)").c_str() : ""));
   if (r.images_read > 0)
     line(out, "valid depth",
          printed("%.0f %% of the pixels (median), %.0f %% in the worst frame (%zu)",
@@ -100,6 +103,7 @@ nlohmann::ordered_json toJson(const SequenceInfo& info, const Inspection& r) {
         {"assumed", info.intrinsics_assumed},
         {"source", info.intrinsics_source}}},
       {"depth_units_per_metre", info.depth_units_per_metre},
+      {"depth_units_assumed", info.depth_units_assumed},
       {"images_read", r.images_read},
       {"valid_share",
        {{"median", r.valid_share_median}, {"worst", r.valid_share_worst}, {"worst_frame", r.worst_frame}}},
@@ -136,11 +140,19 @@ void check(const CheckOptions& options) {
     open.intrinsics = Intrinsics{0, 0, v[0], v[1], v[2], v[3]};
   if (options.depth_units_per_metre != 0) open.depth_units_per_metre = options.depth_units_per_metre;
   const auto sequence = openSequence(options.sequence, open);
-  const Inspection inspection = [&] {
+  const Settings settings = loadSettings("default");  // what a run uses
+  Inspection inspection = [&] {
     Progress progress("depth images");
     return inspectSequence(*sequence, options.max_frames,
-                           [&](std::size_t done, std::size_t total) { progress.update(done, total); });
+                           [&](std::size_t done, std::size_t total) { progress.update(done, total); },
+                           {settings.depth.min, settings.depth.max});
   }();
+  const Intrinsics& k = sequence->info().intrinsics;
+  try {
+    requireImagesFit(settings, k.width, k.height);
+  } catch (const InputError& error) {
+    inspection.findings.push_back({true, error.what(), ""});
+  }
   // With the JSON on standard output, people read standard error.
   std::fputs(describe(sequence->info(), inspection).c_str(), options.json == "-" ? stderr : stdout);
   writeJson(options.json, toJson(sequence->info(), inspection).dump(2));

@@ -29,7 +29,8 @@ std::vector<fs::path> meshesIn(const fs::path& folder) {
   std::vector<fs::path> meshes;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string extension = lowered(entry.path().extension().string());
-    if (extension == ".ply" || extension == ".obj") meshes.push_back(entry.path());
+    const bool hidden = entry.path().filename().string().starts_with('.');
+    if (!hidden && (extension == ".ply" || extension == ".obj")) meshes.push_back(entry.path());
   }
   if (meshes.empty())
     throw InputError(folder.string() + ": holds no .ply or .obj file; --meshes takes a folder with meshes.");

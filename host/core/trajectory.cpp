@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iomanip>
 #include <sstream>
 #include <system_error>
@@ -10,6 +9,7 @@
 #include "host/core/error.h"
 #include "host/core/file_io.h"
 #include "host/core/number_text.h"
+#include "host/core/text_file.h"
 
 namespace rosefusion {
 
@@ -18,8 +18,9 @@ Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsort
   std::error_code unknown;
   if (std::filesystem::is_directory(file, unknown))
     throw InputError(file.string() + ": is a folder; give a trajectory file in TUM format.");
-  std::ifstream in(file);
-  if (!in) throw InputError(file.string() + ": cannot be opened; give a trajectory file in TUM format.");
+  if (!std::filesystem::exists(file, unknown))
+    throw InputError(file.string() + ": cannot be opened; give a trajectory file in TUM format.");
+  std::istringstream in(readTextFile(file));
   Trajectory trajectory;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
@@ -42,7 +43,7 @@ Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsort
     const Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
     std::string problem;
     if (!good)
-      problem = ": not a TUM pose; expected 't tx ty tz qx qy qz qw'.";
+      problem = ": not a TUM pose; expected 't tx ty tz qx qy qz qw', with decimal points.";
     else if (!std::all_of(v, v + 8, [](double x) { return std::isfinite(x); }))
       problem = ": the pose has a number that is not finite; remove the line.";
     else if (q.norm() < 1e-6)
@@ -62,6 +63,13 @@ Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsort
   if (!sorted) std::stable_sort(trajectory.begin(), trajectory.end(), earlier);
   if (was_unsorted) *was_unsorted = !sorted;
   return trajectory;
+}
+
+std::size_t repeatedStamps(const Trajectory& trajectory) {
+  std::size_t repeated = 0;
+  for (std::size_t i = 1; i < trajectory.size(); ++i)
+    if (trajectory[i].timestamp == trajectory[i - 1].timestamp) ++repeated;
+  return repeated;
 }
 
 void writeTumTrajectory(const std::filesystem::path& file, const Trajectory& trajectory) {

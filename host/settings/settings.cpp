@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <numeric>
 #include <sstream>
 
 #include "host/core/error.h"
 #include "host/core/number_text.h"
+#include "host/core/text_file.h"
 #include "host/settings/presets.h"
 
 namespace rosefusion {
@@ -167,13 +167,14 @@ void applyYamlText(Settings& settings, const std::string& text, const std::strin
 }
 
 void applyYamlFile(Settings& settings, const std::filesystem::path& file) {
-  std::ifstream in(file);
-  TextStream text;
-  if (in) text << in.rdbuf();
-  if (text.str().empty())
+  std::error_code unknown;
+  const bool is_file =
+      std::filesystem::exists(file, unknown) && !std::filesystem::is_directory(file, unknown);
+  const std::string text = is_file ? readTextFile(file) : "";
+  if (text.empty())
     throw InputError(file.string() +
                      ": cannot be read, or is empty; give a YAML file or a preset (default, paper).");
-  applyYamlText(settings, text.str(), file.string());
+  applyYamlText(settings, text, file.string());
 }
 
 std::vector<std::string> presetNames() {
@@ -213,6 +214,16 @@ void requireConsistent(const Settings& settings) {
     throw InputError(
         "volume.truncation must be at least 2 voxels (volume.voxel_size), or no surface can be found in it.");
   requireValid(settings.swarm);
+}
+
+void requireImagesFit(const Settings& settings, int width, int height) {
+  int stride = std::max(settings.refine.pixel_stride, settings.refine.coarse_pixel_stride);
+  for (const SwarmLevel& level : settings.swarm.levels) stride = std::max(stride, level.pixel_stride);
+  if (width < stride || height < stride)
+    throw InputError(
+        printed("The depth images (%dx%d pixels) are smaller than the largest pixel stride of "
+                "swarm.levels and refine, %d; give larger images, or smaller strides by --set.",
+                width, height, stride));
 }
 
 }  // namespace rosefusion
