@@ -90,6 +90,8 @@ std::string synthReport(const SynthPlan& plan) {
   nlohmann::ordered_json json;
   json["seed"] = o.seed;
   json["scene"] = o.mesh_file.empty() ? "procedural room" : o.mesh_file.string();
+  if (const Eigen::Vector3d& origin = plan.scene().origin; !origin.isZero())
+    json["origin_m"] = {origin.x(), origin.y(), origin.z()};
   json["motion"] = nameOf(o.motion);
   if (o.motion == Motion::kReplay) {
     json["replay"] = o.replay_file.string();
