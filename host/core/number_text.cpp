@@ -15,6 +15,12 @@
 namespace rosefusion {
 namespace {
 
+#ifdef _WIN32
+int format(char* out, std::size_t size, const char* pattern, std::va_list values) {
+  static const _locale_t classic = _create_locale(LC_ALL, "C");
+  return out ? _vsnprintf_l(out, size, pattern, classic, values) : _vscprintf_l(pattern, classic, values);
+}
+#else
 /// This thread's C functions follow the "C" locale while it lives.
 class ClassicLocale {
  public:
@@ -30,6 +36,12 @@ class ClassicLocale {
   }
   locale_t before_;
 };
+
+int format(char* out, std::size_t size, const char* pattern, std::va_list values) {
+  const ClassicLocale classic;
+  return std::vsnprintf(out, size, pattern, values);
+}
+#endif
 
 }  // namespace
 
@@ -55,12 +67,11 @@ std::optional<double> parseNumber(std::string_view text) {
 }
 
 std::string printed(const char* pattern, ...) {
-  const ClassicLocale classic;
   std::va_list values, again;
   va_start(values, pattern);
   va_copy(again, values);
-  std::string text(static_cast<std::size_t>(std::max(0, std::vsnprintf(nullptr, 0, pattern, values))), '\0');
-  std::vsnprintf(text.data(), text.size() + 1, pattern, again);
+  std::string text(static_cast<std::size_t>(std::max(0, format(nullptr, 0, pattern, values))), '\0');
+  format(text.data(), text.size() + 1, pattern, again);
   va_end(again);
   va_end(values);
   return text;
