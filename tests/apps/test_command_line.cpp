@@ -33,7 +33,7 @@ Outcome program(const std::string& arguments, const std::string& environment = "
 }
 
 TEST(CommandLine, EverySubcommandHasHelpWithAnExample) {
-  for (const char* name : {"run", "check", "eval", "eval-mesh", "synth", "pst", "devices", "bench",
+  for (const char* name : {"run", "check", "eval", "eval-mesh", "synth", "pst", "devices", "doctor", "bench",
                            "experiment", "send"}) {
     const Outcome help = program(std::string(name) + " --help");
     EXPECT_EQ(help.code, 0) << name;
