@@ -10,7 +10,9 @@
 #include "apps/cli/progress.h"
 #include "apps/cli/validators.h"
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 #include "host/datasets/inspection.h"
+#include "host/settings/settings.h"
 
 namespace rosefusion::cli {
 namespace {
@@ -40,40 +42,38 @@ std::string unreadable(const Inspection& r) {
 }
 
 std::string describe(const SequenceInfo& info, const Inspection& r) {
-  std::ostringstream out;
-  const auto f = [](const char* pattern, auto... values) {
-    char text[256];
-    std::snprintf(text, sizeof text, pattern, values...);
-    return std::string(text);
-  };
+  TextStream out;
   const Intrinsics& k = info.intrinsics;
   out << info.path.string() << '\n';
   line(out, "format", info.format);
-  line(out, "frames", f("%zu in %.1f s, %.1f per second", r.frames, r.seconds, r.frames_per_second));
-  line(out, "images", f("%dx%d, %s", k.width, k.height, info.has_colour ? "depth and colour" : "depth only"));
+  line(out, "frames", printed("%zu in %.1f s, %.1f per second", r.frames, r.seconds, r.frames_per_second));
+  line(out, "images",
+       printed("%dx%d, %s", k.width, k.height, info.has_colour ? "depth and colour" : "depth only"));
   line(out, "intrinsics",
-       f("fx %g, fy %g, cx %g, cy %g (%s", k.fx, k.fy, k.cx, k.cy,
-         info.intrinsics_assumed ? "assumed: " : "") +
+       printed("fx %g, fy %g, cx %g, cy %g (%s", k.fx, k.fy, k.cx, k.cy,
+               info.intrinsics_assumed ? "assumed: " : "") +
            info.intrinsics_source + ")");
-  line(out, "depth scale", f("%g units per metre", info.depth_units_per_metre));
+  line(out, "depth scale",
+       printed("%g units per metre%s", info.depth_units_per_metre,
+               info.depth_units_assumed ? (" (assumed: as " + info.format + " has it)").c_str() : ""));
   if (r.images_read > 0)
     line(out, "valid depth",
-         f("%.0f %% of the pixels (median), %.0f %% in the worst frame (%zu)", 100 * r.valid_share_median,
-           100 * r.valid_share_worst, r.worst_frame));
+         printed("%.0f %% of the pixels (median), %.0f %% in the worst frame (%zu)",
+                 100 * r.valid_share_median, 100 * r.valid_share_worst, r.worst_frame));
   if (const auto& d = r.depth)
     line(out, "depth range",
-         f("%.2f to %.2f m for 98 %% of the pixels, median %.2f m", d->p1, d->p99, d->p50));
+         printed("%.2f to %.2f m for 98 %% of the pixels, median %.2f m", d->p1, d->p99, d->p50));
   if (info.truth.empty())
     line(out, "truth", "none");
   else
     line(out, "truth",
-         f("%zu poses, covers %zu of %zu frames", info.truth.size(), r.frames_with_truth, r.frames));
+         printed("%zu poses, covers %zu of %zu frames", info.truth.size(), r.frames_with_truth, r.frames));
   if (const auto& s = r.speeds)
     line(out, "camera speed",
-         f("%.2f m/s mean, %.2f max; %.2f rad/s mean, %.2f max", s->linear_mean, s->linear_max,
-           s->angular_mean, s->angular_max));
+         printed("%.2f m/s mean, %.2f max; %.2f rad/s mean, %.2f max", s->linear_mean, s->linear_max,
+                 s->angular_mean, s->angular_max));
   line(out, "unreadable", unreadable(r));
-  line(out, "gaps in time", f("%zu", r.gaps.size()));
+  line(out, "gaps in time", printed("%zu", r.gaps.size()));
   for (const std::string& note : info.notes) line(out, "note", note);
   out << '\n' << (r.findings.empty() ? "Nothing looks wrong.\n" : "What looks wrong:\n");
   for (const Finding& finding : r.findings) {
@@ -103,6 +103,7 @@ nlohmann::ordered_json toJson(const SequenceInfo& info, const Inspection& r) {
         {"assumed", info.intrinsics_assumed},
         {"source", info.intrinsics_source}}},
       {"depth_units_per_metre", info.depth_units_per_metre},
+      {"depth_units_assumed", info.depth_units_assumed},
       {"images_read", r.images_read},
       {"valid_share",
        {{"median", r.valid_share_median}, {"worst", r.valid_share_worst}, {"worst_frame", r.worst_frame}}},
@@ -139,11 +140,19 @@ void check(const CheckOptions& options) {
     open.intrinsics = Intrinsics{0, 0, v[0], v[1], v[2], v[3]};
   if (options.depth_units_per_metre != 0) open.depth_units_per_metre = options.depth_units_per_metre;
   const auto sequence = openSequence(options.sequence, open);
-  const Inspection inspection = [&] {
+  const Settings settings = loadSettings("default");  // what a run uses
+  Inspection inspection = [&] {
     Progress progress("depth images");
     return inspectSequence(*sequence, options.max_frames,
-                           [&](std::size_t done, std::size_t total) { progress.update(done, total); });
+                           [&](std::size_t done, std::size_t total) { progress.update(done, total); },
+                           {settings.depth.min, settings.depth.max});
   }();
+  const Intrinsics& k = sequence->info().intrinsics;
+  try {
+    requireImagesFit(settings, k.width, k.height);
+  } catch (const InputError& error) {
+    inspection.findings.push_back({true, error.what(), ""});
+  }
   // With the JSON on standard output, people read standard error.
   std::fputs(describe(sequence->info(), inspection).c_str(), options.json == "-" ? stderr : stdout);
   writeJson(options.json, toJson(sequence->info(), inspection).dump(2));

@@ -7,6 +7,7 @@ namespace rosefusion::cli {
 
 void addRunCommand(CLI::App& app);
 void addDevicesCommand(CLI::App& app);
+void addDoctorCommand(CLI::App& app);
 void addCheckCommand(CLI::App& app);
 void addSynthCommand(CLI::App& app);
 void addPstCommand(CLI::App& app);

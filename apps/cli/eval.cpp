@@ -2,6 +2,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -43,6 +44,12 @@ fs::path estimateIn(const fs::path& path) {
 
 Trajectory readPoses(const fs::path& file) {
   Trajectory trajectory = readTumTrajectory(file);
+  if (const std::size_t repeated = repeatedStamps(trajectory); repeated > 0)
+    spdlog::warn("{}: {} of {} poses have the time stamp of another, and which of them counts is chance; {}",
+                 file.string(), repeated, trajectory.size(),
+                 2 * repeated > trajectory.size()
+                     ? "the stamps' decimals were lost: write them with six, in seconds."
+                     : "leave one pose for each time (do two runs share the file?).");
   if (trajectory.empty())
     throw InputError(file.string() + ": has no poses; expected lines 't tx ty tz qx qy qz qw'.");
   return trajectory;
@@ -83,8 +90,31 @@ std::size_t framesOfReport(const fs::path& estimate) {
   return report["frames"].get<std::size_t>();
 }
 
+/// Where the truth was to be interpolated: how far its poses are apart.
+void requireInterpolated(const TrajectoryErrors& errors, const EvalArguments& arguments,
+                         const Trajectory& estimate, const Trajectory& truth) {
+  if (errors.common_poses >= kFewestCommonPoses) return;
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < truth.size(); ++i) gaps.push_back(truth[i].timestamp - truth[i - 1].timestamp);
+  std::sort(gaps.begin(), gaps.end());
+  const double unit = arguments.options.seconds_per_stamp,
+               gap = gaps.empty() ? 0 : unit * gaps[gaps.size() / 2];
+  throw InputError(fmt::format(
+      "{}: {} of its {} stamps (they run from {:.3f} to {:.3f}) lie between two poses of {} ({:.3f} to "
+      "{:.3f}) "
+      "that are at "
+      "most {:g} s apart, as --interpolate asks; the truth's are usually {:.3g} s apart: {}.",
+      arguments.estimate.string(), errors.common_poses, estimate.size(), estimate.front().timestamp,
+      estimate.back().timestamp, arguments.truth.string(), truth.front().timestamp, truth.back().timestamp,
+      2 * arguments.options.max_difference_s, gap,
+      gap > 2 * arguments.options.max_difference_s
+          ? fmt::format("raise --max-difference to {:.3g}, or leave out --interpolate", 0.51 * gap)
+          : "check the unit of the stamps and that both are of the same sequence"));
+}
+
 void requireCommonPoses(const TrajectoryErrors& errors, const EvalArguments& arguments,
                         const Trajectory& estimate, const Trajectory& truth) {
+  if (arguments.interpolate) return requireInterpolated(errors, arguments, estimate, truth);
   if (errors.common_poses < kFewestCommonPoses)
     throw InputError(fmt::format(
         "{}: {} of {} stamps (they run from {:.3f} to {:.3f}) lie within {} s of one in {} "
@@ -99,8 +129,8 @@ void requireCommonPoses(const TrajectoryErrors& errors, const EvalArguments& arg
 }
 
 std::string row(const char* name, const ErrorSummary& summary, double factor, const char* unit) {
-  if (summary.count == 0) return fmt::format("  {:<25}{:>9}\n", name, "none");
-  return fmt::format("  {:<25}{:>9.3f}{:>9.3f}{:>9.3f}{:>9.3f}  {}\n", name, factor * summary.rmse,
+  if (summary.count == 0) return fmt::format("  {:<25} {:>10}\n", name, "none");
+  return fmt::format("  {:<25} {:>10.3f} {:>10.3f} {:>10.3f} {:>10.3f}  {}\n", name, factor * summary.rmse,
                      factor * summary.mean, factor * summary.median, factor * summary.max, unit);
 }
 
@@ -109,7 +139,7 @@ std::string table(const TrajectoryErrors& errors, const EvalArguments& arguments
       fmt::format("Estimate  {}\nTruth     {}\n", arguments.estimate.string(), arguments.truth.string());
   text += fmt::format("Frames    {}, {} lost ({})\n", errors.frames, errors.lost_frames, errors.frames_basis);
   text += fmt::format("Paired    {}\nAligned   {}\n\n", errors.association, errors.alignment.description);
-  text += fmt::format("  {:<25}{:>9}{:>9}{:>9}{:>9}\n", "", "RMSE", "mean", "median", "max");
+  text += fmt::format("  {:<25} {:>10} {:>10} {:>10} {:>10}\n", "", "RMSE", "mean", "median", "max");
   text += row("ATE (aligned)", errors.ate_m, 100, "cm");
   text += row("TE (from first pose)", errors.te_m, 100, "cm");
   text += row("RPE pose to pose", errors.rpe_frame_m, 100, "cm");
@@ -138,7 +168,8 @@ void evaluate(EvalArguments arguments) {
 
   TrajectoryErrors errors = measureTrajectory(estimate, truth, options);
   requireCommonPoses(errors, arguments, estimate, truth);
-  if (arguments.json != "-") std::cout << table(errors, arguments);
+  if (arguments.json != "-") std::cout << table(errors, arguments) << std::flush;
+  if (const std::string doubt = scaleDoubt(errors); !doubt.empty()) spdlog::warn("{}", doubt);
   writeJson(arguments.json, toJson(errors).dump(2));
   if (arguments.plot.empty()) return;
   // The plot's time axis is in seconds.

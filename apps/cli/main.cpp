@@ -22,6 +22,7 @@ int runCommandLine(int argc, char** argv) {
   addSynthCommand(app);
   addPstCommand(app);
   addDevicesCommand(app);
+  addDoctorCommand(app);
   addBenchCommand(app);
 #ifdef ROSEFUSION_EXPERIMENTS
   addExperimentCommand(app);

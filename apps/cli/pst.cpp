@@ -9,6 +9,7 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/progress.h"
+#include "host/core/number_text.h"
 #include "host/swarm/template_file.h"
 #include "host/swarm/template_plot.h"
 #include "host/swarm/template_statistics.h"
@@ -52,11 +53,7 @@ nlohmann::json toJson(const TemplateStatistics& s) {
 }
 
 void print(std::ostream& out, const TemplateSet& set, const std::vector<TemplateStatistics>& all) {
-  const auto write = [&](const char* format, auto... values) {
-    char line[256];
-    std::snprintf(line, sizeof(line), format, values...);
-    out << line;
-  };
+  const auto write = [&](const char* format, auto... values) { out << printed(format, values...); };
   out << "seed " << set.options.seed << ", " << set.options.count << " templates per size\n\n";
   out << "                      axes x, y, z [m], qx, qy, qz         a uniform ball has\n";
   for (const TemplateStatistics& s : all) {

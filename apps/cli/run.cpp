@@ -13,6 +13,7 @@
 #include "host/core/error.h"
 #include "host/core/file_io.h"
 #include "host/core/log_to_spdlog.h"
+#include "host/run/likely_cause.h"
 #include "host/run/output.h"
 #include "host/run/report.h"
 
@@ -100,6 +101,8 @@ void printSummary(std::FILE* to, const RunSummary& summary, const SequenceInfo& 
         "cm.\n",
         100 * errors->ate_m.rmse, 100 * errors->ate_m.mean, 100 * errors->te_m.rmse,
         100 * errors->te_share[2]);
+  if (const auto errors = errorsOf(summary, info); errors && !lostMost(summary))
+    if (const std::string doubt = scaleDoubt(*errors); !doubt.empty()) spdlog::warn("{}", doubt);
   for (const char* file : kOutputFiles)
     if (const auto path = std::filesystem::path(out) / file; std::filesystem::exists(path))
       std::fprintf(to, "  %s\n", path.c_str());
@@ -129,10 +132,12 @@ void run(const RunArguments& o) {
                      ": is no network stream (tcp://*:PORT); leave out --secret-key, --peer-key and "
                      "--silence-limit.");
   if (live) catchInterrupts();  // before a recording begins, Ctrl-C just ends the program
-  const auto source = openSource(o.source, settings.volume.colour);
+  const auto [source, findings] =
+      openSource(o.source, settings.volume.colour, {settings.depth.min, settings.depth.max});
   if (!source) throw ExitCode(kExitInterrupted);
   const SequenceInfo& info = source->info();
 
+  requireImagesFit(settings, info.intrinsics.width, info.intrinsics.height);
   const std::string out = outputFolder(o);
   requireOtherThanSequence(out, info);
   const OutputFolder folder(out);
@@ -169,6 +174,10 @@ void run(const RunArguments& o) {
     spdlog::warn("Interrupted after {} frames; the files are complete up to there.", summary.frames.size());
     throw ExitCode(kExitInterrupted);
   }
+  if (lostMost(summary)) {
+    spdlog::error("{}", likelyCause(summary, findings));
+    throw ExitCode(kExitLost);
+  }
 }
 
 }  // namespace
@@ -197,7 +206,9 @@ void addRunCommand(CLI::App& app) {
       "  rosefusion run rgbd_dataset_freiburg1_desk --out out/desk\n"
       "  rosefusion run my_room --config paper --stride 2 --set volume.voxel_size=0.01\n"
       "  rosefusion run 'tcp://*:5555' --out out/live        # what 'rosefusion send' sends\n"
-      "Exit codes: 0 finished, 2 bad input, 3 device, 130 interrupted (the files are complete).");
+      "Exit codes: 0 finished, 2 bad input, 3 device, 4 most frames were lost (the files are written, and "
+      "the likely "
+      "cause is\nsaid), 130 interrupted (the files are complete).");
   command->callback([o] { run(*o); });
 }
 

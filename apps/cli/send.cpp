@@ -49,7 +49,7 @@ void send(const SendOptions& o) {
   if (!isStreamEndpoint(o.endpoint))
     throw InputError(o.endpoint + ": give the receiver's address, such as tcp://192.168.1.20:5555.");
   catchInterrupts();
-  const auto source = openSource(o.source, o.colour);
+  const auto source = openSource(o.source, o.colour).frames;
   if (!source) throw ExitCode(kExitInterrupted);
   SequenceInfo info = source->info();
   info.frames = source->expectedFrames();

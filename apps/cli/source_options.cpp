@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
 #include "apps/cli/interrupt.h"
 #include "apps/cli/validators.h"
 
@@ -17,6 +19,10 @@ void SourceArguments::addTo(CLI::App& command) {
   command.add_flag(
       "--realtime", realtime,
       "Take a recording at the speed it was made with, and drop what comes too fast, as of a camera");
+  command
+      .add_option("--start", selection.start,
+                  "Leave out the first N frames, such as those of a warming camera")
+      ->check(CLI::Range(0, 1000000000));
   command.add_option("--stride", selection.stride, "Take every K-th frame")->check(CLI::Range(1, 1000000));
   command.add_option("--max-frames", selection.max_frames, "Stop after N frames; 0: all")
       ->check(CLI::Range(0, 1000000000));
@@ -48,15 +54,19 @@ SourceOptions SourceArguments::options(bool colour) const {
   return out;
 }
 
-std::unique_ptr<FrameSource> openSource(const SourceArguments& arguments, bool colour) {
+OpenedSource openSource(const SourceArguments& arguments, bool colour, const DepthLimits& limits) {
   auto source = rosefusion::openSource(arguments.source, arguments.options(colour), interrupted);
-  if (!source) return source;
-  const SequenceInfo& info = source->info();
-  for (const std::string& warning : info.warnings) spdlog::warn("{}", warning);
-  if (info.intrinsics_assumed)
+  if (!source) return {};
+  std::vector<Finding> findings = source->findings(limits);
+  for (const Finding& finding : findings)
+    spdlog::warn("{}{}{}", finding.what, finding.remedy.empty() ? "" : "; ", finding.remedy);
+  for (const std::string& note : source->info().notes) spdlog::info("{}", note);
+  const bool told = std::any_of(findings.begin(), findings.end(),
+                                [](const Finding& f) { return f.kind == FindingKind::Intrinsics; });
+  if (source->info().intrinsics_assumed && !told)
     spdlog::warn("The intrinsics are assumed ({}); give them with --intrinsics if the result is bent.",
-                 info.intrinsics_source);
-  return source;
+                 source->info().intrinsics_source);
+  return {std::move(source), std::move(findings)};
 }
 
 }  // namespace rosefusion::cli

@@ -23,7 +23,12 @@ struct SourceArguments {
   SourceOptions options(bool colour) const;
 };
 
-/// Opens it, with warnings about what was assumed. Null when interrupted while waiting.
-std::unique_ptr<FrameSource> openSource(const SourceArguments& arguments, bool colour);
+struct OpenedSource {
+  std::unique_ptr<FrameSource> frames;  ///< null when interrupted while waiting
+  std::vector<Finding> findings;        ///< what looks wrong with a recording
+};
+
+/// Opens it, with warnings about what was assumed and what looks wrong. `limits`: depths that are used.
+OpenedSource openSource(const SourceArguments& arguments, bool colour, const DepthLimits& limits = {});
 
 }  // namespace rosefusion::cli

@@ -110,6 +110,10 @@ void run(Arguments& a) {
         "to a surface\n",
         a.out.c_str(), plan.truth().size(), plan.truth().back().timestamp, s.length, s.linear_mean,
         s.linear_max, s.angular_mean, s.angular_max, s.clearance);
+  if (const Eigen::Vector3d& o = plan.scene().origin; !o.isZero())
+    spdlog::info(
+        "The mesh lies far from its origin; the sequence's world begins at ({:.0f}, {:.0f}, {:.0f}) m of it.",
+        o.x(), o.y(), o.z());
   writeJson(a.json, synthReport(plan));
 }
 

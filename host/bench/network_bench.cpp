@@ -8,6 +8,7 @@
 
 #include "host/bench/stopwatch.h"
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 #include "host/sources/stream.h"
 
 namespace rosefusion {
@@ -86,16 +87,15 @@ nlohmann::ordered_json networkJson(const NetworkReport& r) {
 }
 
 std::string networkTable(const NetworkReport& r) {
-  char text[400];
-  std::snprintf(text, sizeof text,
-                "%zu frames over loopback, one at a time\n"
-                "  sent        %9.1f kB a frame, %.1f:1 compressed\n"
-                "  added       %9.2f ms a frame (median; 95 %% under %.2f ms)\n"
-                "  CPU time    %9.2f ms a frame (mean, both ends)\n"
-                "  compress    %9.2f ms a frame (mean, part of added)\n",
-                r.frames, r.frame_bytes / 1e3, r.compression, r.added_ms, r.added_p95_ms, r.added_cpu_ms,
-                r.compress_ms);
-  return r.sequence + ": " + text;
+  return r.sequence + ": " +
+         printed(
+             "%zu frames over loopback, one at a time\n"
+             "  sent        %9.1f kB a frame, %.1f:1 compressed\n"
+             "  added       %9.2f ms a frame (median; 95 %% under %.2f ms)\n"
+             "  CPU time    %9.2f ms a frame (mean, both ends)\n"
+             "  compress    %9.2f ms a frame (mean, part of added)\n",
+             r.frames, r.frame_bytes / 1e3, r.compression, r.added_ms, r.added_p95_ms, r.added_cpu_ms,
+             r.compress_ms);
 }
 
 }  // namespace rosefusion

@@ -12,6 +12,7 @@
 #include "host/bench/native_fitness.h"
 #include "host/bench/stopwatch.h"
 #include "host/core/log_to_spdlog.h"
+#include "host/core/number_text.h"
 #include "host/slam/mapping/frame_integrator.h"
 #include "host/slam/shader_types.h"
 #include "host/swarm/template_sampling.h"
@@ -241,13 +242,10 @@ double requireAgreement(const std::string& device_name, std::span<const float> d
   }
   const double mean = sum / static_cast<double>(native.size());
   if (worst <= lossTolerance(points) && mean <= kMeanLossTolerance) return worst;
-  char text[320];
-  std::snprintf(
-      text, sizeof text,
+  throw std::runtime_error(printed(
       "%s computes other losses than the native loop: %.2e at most and %.2e in the mean differ, where "
       "%.2e and %.2e are allowed; do not trust this device's results.",
-      device_name.c_str(), worst, mean, lossTolerance(points), kMeanLossTolerance);
-  throw std::runtime_error(text);
+      device_name.c_str(), worst, mean, lossTolerance(points), kMeanLossTolerance));
 }
 
 BenchReport benchPasses(Device& device, const BenchOptions& options,

@@ -1,7 +1,7 @@
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "host/bench/pass_bench.h"
+#include "host/core/number_text.h"
 
 namespace rosefusion {
 namespace {
@@ -13,10 +13,7 @@ nlohmann::ordered_json toJson(const PassTime& time, bool cpu_device) {
 }
 
 std::string line(const char* name, const char* format, auto... values) {
-  char text[160], out[200];
-  std::snprintf(text, sizeof text, format, values...);
-  std::snprintf(out, sizeof out, "  %-12s%s\n", name, text);
-  return out;
+  return printed("  %-12s", name) + printed(format, values...) + "\n";
 }
 
 std::string line(const char* name, const PassTime& time, bool cpu_device) {

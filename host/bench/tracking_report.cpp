@@ -1,18 +1,12 @@
 #include <algorithm>
-#include <cstdio>
 
 #include "host/bench/tracking_suite.h"
+#include "host/core/number_text.h"
 
 namespace rosefusion {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string format(const char* pattern, auto... values) {
-  char text[320];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
 
 Json toJson(const TrackedSequence& s) {
   Json json = {{"name", s.name},         {"judged_frames", s.frames},     {"good_frames", s.good_frames},
@@ -71,8 +65,8 @@ Json trackingJson(const TrackingReport& r) {
 
 std::string trackingHead(const DeviceInfo& device) {
   return device.name + ", " + device.driver + "\n" +
-         format("%-24s %9s %9s %9s %7s %9s %6s %9s %9s\n", "sequence", "ATE cm", "worst cm", "TE cm",
-                "frames", "uncertain", "lost", "ms/frame", "lookups");
+         printed("%-24s %9s %9s %9s %7s %9s %6s %9s %9s\n", "sequence", "ATE cm", "worst cm", "TE cm",
+                 "frames", "uncertain", "lost", "ms/frame", "lookups");
 }
 
 std::string trackingRow(const TrackedSequence& s) {
@@ -82,23 +76,23 @@ std::string trackingRow(const TrackedSequence& s) {
     back = !r.possible ? "  view never returns"
            : r.frames == Recovery::kNever
                ? "  never back"
-               : format("  back after %zu, ends %.2f cm off", r.frames, 100 * r.final_error_m);
-    if (r.wrongly_fused) back += format(", %zu fused wrongly", r.wrongly_fused);
+               : printed("  back after %zu, ends %.2f cm off", r.frames, 100 * r.final_error_m);
+    if (r.wrongly_fused) back += printed(", %zu fused wrongly", r.wrongly_fused);
   }
-  return format("%-24.24s %9.2f %9.2f %9.2f %7zu %9zu %6zu %9.1f %8.2fM%s%s\n", s.name.c_str(),
-                100 * s.ate_m.rmse, 100 * s.ate_m.max, 100 * s.te_m.rmse, s.frames, s.uncertain, s.lost,
-                s.ms_per_frame, 1e-6 * s.lookups_per_frame, back.c_str(), s.good() ? "" : "  FAILED");
+  return printed("%-24.24s %9.2f %9.2f %9.2f %7zu %9zu %6zu %9.1f %8.2fM%s%s\n", s.name.c_str(),
+                 100 * s.ate_m.rmse, 100 * s.ate_m.max, 100 * s.te_m.rmse, s.frames, s.uncertain, s.lost,
+                 s.ms_per_frame, 1e-6 * s.lookups_per_frame, back.c_str(), s.good() ? "" : "  FAILED");
 }
 
 std::string trackingSummary(const TrackingReport& r) {
   const ErrorSummary ate = r.ateOfSequences();
   const std::size_t lost = r.total(&TrackedSequence::lost);
   std::string out =
-      format("%zu of %zu sequences with every frame within 3 cm; %zu of %zu frames within 3 cm, %zu lost.\n",
-             r.goodSequences(), r.sequences.size(), r.total(&TrackedSequence::good_frames),
-             r.total(&TrackedSequence::frames), lost);
-  out += format("ATE (RMSE after alignment): mean %.2f cm, worst %.2f cm%s.\n", 100 * ate.mean, 100 * ate.max,
-                lost ? ", the lost frames left out" : "");
+      printed("%zu of %zu sequences with every frame within 3 cm; %zu of %zu frames within 3 cm, %zu lost.\n",
+              r.goodSequences(), r.sequences.size(), r.total(&TrackedSequence::good_frames),
+              r.total(&TrackedSequence::frames), lost);
+  out += printed("ATE (RMSE after alignment): mean %.2f cm, worst %.2f cm%s.\n", 100 * ate.mean,
+                 100 * ate.max, lost ? ", the lost frames left out" : "");
   return out;
 }
 

@@ -14,6 +14,7 @@
 #include "host/core/error.h"
 #include "host/core/file_io.h"
 #include "host/core/log_to_spdlog.h"
+#include "host/core/number_text.h"
 #include "host/synth/tum_writer.h"
 
 namespace rosefusion {
@@ -27,10 +28,9 @@ std::vector<fs::path> meshesIn(const fs::path& folder) {
     throw InputError(folder.string() + ": there is no such folder; --meshes takes a folder with meshes.");
   std::vector<fs::path> meshes;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    std::string extension = entry.path().extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (extension == ".ply" || extension == ".obj") meshes.push_back(entry.path());
+    const std::string extension = lowered(entry.path().extension().string());
+    const bool hidden = entry.path().filename().string().starts_with('.');
+    if (!hidden && (extension == ".ply" || extension == ".obj")) meshes.push_back(entry.path());
   }
   if (meshes.empty())
     throw InputError(folder.string() + ": holds no .ply or .obj file; --meshes takes a folder with meshes.");

@@ -16,6 +16,7 @@ inline constexpr int kExitOk = 0;
 inline constexpr int kExitFailure = 1;        ///< a defect of this program
 inline constexpr int kExitBadInput = 2;       ///< InputError, or unknown command-line arguments
 inline constexpr int kExitDevice = 3;         ///< no usable Vulkan device, or it failed
+inline constexpr int kExitLost = 4;           ///< most frames were lost; the files written are complete
 inline constexpr int kExitInterrupted = 130;  ///< Ctrl-C; the files written are complete
 
 }  // namespace rosefusion

@@ -39,7 +39,8 @@ void makeParent(const fs::path& file) {
 }
 
 [[noreturn]] void failToWrite(const fs::path& file, int code) {
-  throw InputError(file.string() + ": cannot be written (" + std::strerror(code) +
+  // A write that took less than it was given need not say why.
+  throw InputError(file.string() + ": cannot be written (" + std::strerror(code ? code : EIO) +
                    "); free some space or choose another output folder.");
 }
 

@@ -14,6 +14,9 @@ struct TriangleMesh {
   std::vector<std::array<std::uint8_t, 3>> colours;
   std::vector<std::array<std::uint32_t, 3>>
       triangles;  ///< counter-clockwise seen from the outside (free space)
+  /// Where the vertices' zero lies in the file's frame, metres: taken off meshes far from their origin (in
+  /// national or UTM coordinates), which floats cannot hold.
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 };
 
 }  // namespace rosefusion

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iomanip>
 #include <sstream>
 #include <system_error>
 
 #include "host/core/error.h"
 #include "host/core/file_io.h"
+#include "host/core/number_text.h"
+#include "host/core/text_file.h"
 
 namespace rosefusion {
 
@@ -17,8 +18,9 @@ Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsort
   std::error_code unknown;
   if (std::filesystem::is_directory(file, unknown))
     throw InputError(file.string() + ": is a folder; give a trajectory file in TUM format.");
-  std::ifstream in(file);
-  if (!in) throw InputError(file.string() + ": cannot be opened; give a trajectory file in TUM format.");
+  if (!std::filesystem::exists(file, unknown))
+    throw InputError(file.string() + ": cannot be opened; give a trajectory file in TUM format.");
+  std::istringstream in(readTextFile(file));
   Trajectory trajectory;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
@@ -29,11 +31,11 @@ Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsort
     double v[8];
     bool good = true;
     for (double& value : v) {
-      std::string token;  // via strtod: operator>> refuses "nan", which deserves its own words
+      std::string token;  // not read as a number: operator>> refuses "nan", which deserves its own words
       good = good && (fields >> token);
-      char* end = nullptr;
-      value = good ? std::strtod(token.c_str(), &end) : 0;
-      good = good && end && *end == '\0';
+      const std::optional<double> read = good ? parseNumber(token) : std::nullopt;
+      good = read.has_value();
+      value = read.value_or(0);
     }
     std::string surplus;
     good = good && !(fields >> surplus);  // longer lines are another format, such as KITTI's 3x4 matrices
@@ -41,7 +43,7 @@ Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsort
     const Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
     std::string problem;
     if (!good)
-      problem = ": not a TUM pose; expected 't tx ty tz qx qy qz qw'.";
+      problem = ": not a TUM pose; expected 't tx ty tz qx qy qz qw', with decimal points.";
     else if (!std::all_of(v, v + 8, [](double x) { return std::isfinite(x); }))
       problem = ": the pose has a number that is not finite; remove the line.";
     else if (q.norm() < 1e-6)
@@ -63,8 +65,15 @@ Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsort
   return trajectory;
 }
 
+std::size_t repeatedStamps(const Trajectory& trajectory) {
+  std::size_t repeated = 0;
+  for (std::size_t i = 1; i < trajectory.size(); ++i)
+    if (trajectory[i].timestamp == trajectory[i - 1].timestamp) ++repeated;
+  return repeated;
+}
+
 void writeTumTrajectory(const std::filesystem::path& file, const Trajectory& trajectory) {
-  std::ostringstream text;
+  TextStream text;
   text << "# timestamp tx ty tz qx qy qz qw (camera to world, metres)\n" << std::fixed;
   for (const StampedPose& p : trajectory) {
     const Eigen::Quaterniond q = canonical(Eigen::Quaterniond(p.world_from_camera.linear()));

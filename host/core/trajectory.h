@@ -23,6 +23,9 @@ using Trajectory = std::vector<StampedPose>;
 Trajectory readTumTrajectory(const std::filesystem::path& file, bool* was_unsorted = nullptr,
                              std::vector<std::string>* skipped = nullptr);
 
+/// Poses that have the stamp of the one before: two runs in one file, or decimals that were lost.
+std::size_t repeatedStamps(const Trajectory& trajectory);
+
 /// Writes the whole file or, on failure, throws InputError and leaves nothing half-written.
 void writeTumTrajectory(const std::filesystem::path& file, const Trajectory& trajectory);
 

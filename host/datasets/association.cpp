@@ -1,26 +1,49 @@
 #include "host/datasets/association.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 #include "host/datasets/image_file.h"
 #include "host/datasets/text_table.h"
 
 namespace rosefusion::datasets {
 namespace {
 
-bool mentionsDepth(std::string path) {
-  std::transform(path.begin(), path.end(), path.begin(), [](unsigned char c) { return std::tolower(c); });
-  return path.find("depth") != std::string::npos;
+bool mentionsDepth(const std::string& path) {
+  return lowered(path).find("depth") != std::string::npos;
 }
 
 bool isDepthImage(const std::filesystem::path& file) {
   cv::Mat image;
   std::string problem;
   return readDepthImage(file, {}, image, problem);
+}
+
+struct StampedPair {
+  double stamp[2] = {};
+  std::string file[2];
+};
+
+/// 'stamp file stamp file'. Names may hold blanks where such files are there.
+std::optional<StampedPair> pairOf(const TextRow& row, const std::filesystem::path& folder) {
+  std::optional<StampedPair> found;
+  for (std::size_t second = 2; second + 1 < row.fields.size(); ++second) {
+    StampedPair pair;
+    const bool stamped = parseNumber(row.fields[0], pair.stamp[0]) &&
+                         parseNumber(row.fields[second], pair.stamp[1]) && std::isfinite(pair.stamp[0]) &&
+                         std::isfinite(pair.stamp[1]);
+    if (!stamped) continue;
+    pair.file[0] = row.span(1, second - 1);
+    pair.file[1] = row.span(second + 1, row.fields.size() - 1);
+    const bool there =
+        std::filesystem::exists(folder / pair.file[0]) && std::filesystem::exists(folder / pair.file[1]);
+    if (row.fields.size() == 4 || there) found = pair;
+  }
+  return found;
 }
 
 }  // namespace
@@ -52,24 +75,24 @@ std::filesystem::path findAssociationFile(const std::filesystem::path& folder) {
 }
 
 Associations readAssociations(const std::filesystem::path& file, std::vector<std::string>& warnings) {
-  std::vector<TextRow> rows = readTextTable(file).rows;
+  const std::filesystem::path folder = file.parent_path();
   std::string first;
-  const auto malformed = [&](const TextRow& row) {
-    double a = 0, b = 0;
-    const bool good = row.fields.size() == 4 && parseNumber(row.fields[0], a) &&
-                      parseNumber(row.fields[2], b) && std::isfinite(a) && std::isfinite(b);
-    if (!good && first.empty())
+  std::size_t skipped = 0;
+  std::vector<StampedPair> rows;
+  for (const TextRow& row : readTextTable(file).rows) {
+    std::optional<StampedPair> pair = pairOf(row, folder);
+    if (pair && (isHidden(pair->file[0]) || isHidden(pair->file[1]))) continue;
+    if (pair)
+      rows.push_back(std::move(*pair));
+    else if (skipped++ == 0)
       first = "line " + std::to_string(row.line) + " is not 'timestamp file timestamp file'";
-    return !good;
-  };
-  const std::size_t skipped = std::erase_if(rows, malformed);
+  }
   if (rows.empty())
     throw InputError(file.string() +
                      ": lists no images; each line should read 'timestamp file timestamp file'.");
   if (skipped > 0) warnings.push_back(skippedLines(file, skipped, first));
 
-  const std::filesystem::path folder = file.parent_path();
-  const std::string &left = rows[0].fields[1], &right = rows[0].fields[3];
+  const std::string &left = rows[0].file[0], &right = rows[0].file[1];
   bool left_is_depth = mentionsDepth(left), right_is_depth = mentionsDepth(right);
   if (left_is_depth == right_is_depth) {
     left_is_depth = isDepthImage(folder / left);
@@ -81,20 +104,29 @@ Associations readAssociations(const std::filesystem::path& file, std::vector<std
                      "'depth' and 'rgb'.");
   Associations result;
   result.depth_first = left_is_depth;
-  const std::size_t d = left_is_depth ? 0 : 2, c = 2 - d;
-  for (const TextRow& row : rows) {
-    FrameFiles frame{0, folder / row.fields[d + 1], folder / row.fields[c + 1]};
-    parseNumber(row.fields[d], frame.timestamp);
-    result.frames.push_back(std::move(frame));
-  }
+  const std::size_t d = left_is_depth ? 0 : 1, c = 1 - d;
+  for (const StampedPair& row : rows)
+    result.frames.push_back({row.stamp[d], folder / row.file[d], folder / row.file[c]});
   return result;
 }
 
 bool stampsAreFrameNumbers(const std::vector<FrameFiles>& frames) {
-  const auto whole = [](const FrameFiles& f) { return f.timestamp == std::floor(f.timestamp); };
-  return frames.size() > 1 && std::all_of(frames.begin(), frames.end(), whole) &&
-         std::abs(frames.back().timestamp - frames.front().timestamp) <
-             10.0 * static_cast<double>(frames.size());
+  constexpr double kLargest = 1e9;  // larger ones are seconds since 1970
+  if (frames.size() < 2) return false;
+  std::set<double> stamps;
+  for (const FrameFiles& f : frames) {
+    if (f.timestamp != std::floor(f.timestamp) || std::abs(f.timestamp) >= kLargest) return false;
+    stamps.insert(f.timestamp);
+  }
+  const auto count = static_cast<double>(frames.size());
+  // Stamps whose decimals were lost repeat; numbers that were left out leave gaps.
+  return static_cast<double>(stamps.size()) > 0.5 * count && *stamps.rbegin() - *stamps.begin() < 10 * count;
+}
+
+void recogniseFrameNumbers(Listing& listing) {
+  if (!stampsAreFrameNumbers(listing.frames)) return;
+  listing.seconds_per_stamp = 1 / kFramesPerSecond;
+  listing.notes.push_back("time stamps are frame numbers, kept as they are; 30 frames per second assumed");
 }
 
 }  // namespace rosefusion::datasets

@@ -36,5 +36,7 @@ Associations readAssociations(const std::filesystem::path& file, std::vector<std
 
 /// True when all stamps are whole numbers a few apart: frame numbers rather than seconds.
 bool stampsAreFrameNumbers(const std::vector<FrameFiles>& frames);
+/// Where they are, sets the listing's seconds_per_stamp and says so.
+void recogniseFrameNumbers(Listing& listing);
 
 }  // namespace rosefusion::datasets

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 #include "host/datasets/text_table.h"
 
 namespace rosefusion::datasets {
@@ -19,6 +20,37 @@ Intrinsics scaledTo(const Intrinsics& k, int width, int height) {
   return {width, height, k.fx * sx, k.fy * sy, (k.cx + 0.5) * sx - 0.5, (k.cy + 0.5) * sy - 0.5};
 }
 
+/// The matrix [fx 0 cx; 0 fy cy; 0 0 1] with three or four columns and rows, as many tools write it.
+std::optional<Intrinsics> fromMatrix(const std::vector<double>& v) {
+  if (v.size() != 9 && v.size() != 12 && v.size() != 16) return std::nullopt;
+  const std::size_t columns = v.size() == 9 ? 3 : 4;
+  if (v[1] != 0 || v[columns] != 0 || v[2 * columns] != 0 || v[2 * columns + 1] != 0 ||
+      v[2 * columns + 2] != 1)
+    return std::nullopt;
+  return Intrinsics{0, 0, v[0], v[columns + 1], v[2], v[columns + 2]};
+}
+
+/// Six numbers: four with the image's width and height before or behind them. A lens' coefficients in their
+/// place are smaller than a principal point or a size.
+std::optional<Intrinsics> withSize(const std::vector<double>& v) {
+  constexpr double kLargestCoefficient = 10, kLargestSize = 16384;
+  if (v.size() != 6 || v[4] <= kLargestCoefficient || v[5] <= kLargestCoefficient) return std::nullopt;
+  // Which two are the size is told by where the principal point then lies: near the middle.
+  std::optional<Intrinsics> best;
+  double least = 1;
+  for (const std::size_t size : {std::size_t{0}, std::size_t{4}}) {
+    const double width = v[size], height = v[size + 1];
+    const std::size_t k = size == 0 ? 2 : 0;
+    const bool whole = width == std::floor(width) && height == std::floor(height);
+    if (!whole || width > kLargestSize || height > kLargestSize) continue;
+    const double off = std::abs(v[k + 2] / width - 0.5) + std::abs(v[k + 3] / height - 0.5);
+    if (off >= least) continue;
+    least = off;
+    best = Intrinsics{static_cast<int>(width), static_cast<int>(height), v[k], v[k + 1], v[k + 2], v[k + 3]};
+  }
+  return best;
+}
+
 }  // namespace
 
 std::optional<CameraSource> readCalibration(const std::filesystem::path& folder,
@@ -26,26 +58,27 @@ std::optional<CameraSource> readCalibration(const std::filesystem::path& folder,
   const std::filesystem::path file = folder / "calibration.txt";
   if (!std::filesystem::exists(file)) return std::nullopt;
   const std::vector<double> v = readNumbers(file);
-  // The matrix [fx 0 cx; 0 fy cy; 0 0 1], as many tools write it.
-  const bool matrix = v.size() == 9 && v[1] == 0 && v[3] == 0 && v[6] == 0 && v[7] == 0 && v[8] == 1;
-  if (matrix) return CameraSource{{0, 0, v[0], v[4], v[2], v[5]}, file.string(), false, {}};
+  if (const std::optional<Intrinsics> k = fromMatrix(v)) return CameraSource{*k, file.string(), false, {}};
+  if (const std::optional<Intrinsics> k = withSize(v)) return CameraSource{*k, file.string(), false, {}};
   if (v.size() < 4) throw InputError(file.string() + ": expected four numbers 'fx fy cx cy' in pixels.");
   CameraSource camera{{0, 0, v[0], v[1], v[2], v[3]}, file.string(), false, {}};
   constexpr double kLargest = 10;  // real lenses stay near 1
-  if (v.size() == 9 && !std::all_of(v.begin() + 4, v.end(), [](double k) { return std::abs(k) <= kLargest; }))
+  const bool with_lens = v.size() == 8 || v.size() == 9;
+  if (with_lens && !std::all_of(v.begin() + 4, v.end(), [](double k) { return std::abs(k) <= kLargest; }))
     throw InputError(file.string() +
                      ": the lens' numbers k1 k2 p1 p2 k3 must lie between -10 and 10; leave them out " +
                      "for images that are undistorted.");
-  if (v.size() == 9)
-    camera.distortion = {v[4], v[5], v[6], v[7], v[8]};
+  if (with_lens)
+    camera.distortion = {v[4], v[5], v[6], v[7], v.size() == 9 ? v[8] : 0};
   else if (v.size() > 4)
-    warnings.push_back(file.string() +
-                       ": only fx fy cx cy are used; a lens' distortion takes five more, k1 k2 p1 p2 k3.");
+    warnings.push_back(file.string() + ": holds " + std::to_string(v.size()) +
+                       " numbers, of which the first four are taken as fx fy cx cy; a lens' distortion takes "
+                       "four or five more (k1 k2 p1 p2 k3), an image size two before or behind them.");
   return camera;
 }
 
-void chooseCamera(const CameraSource& camera, double depth_units_per_metre, const SequenceOptions& options,
-                  int width, int height, SequenceInfo& info) {
+void chooseCamera(const CameraSource& camera, double depth_units_per_metre, bool depth_units_assumed,
+                  const SequenceOptions& options, int width, int height, SequenceInfo& info) {
   Intrinsics k = options.intrinsics.value_or(camera.values);
   info.intrinsics_source = options.intrinsics ? "the given intrinsics" : camera.source;
   info.intrinsics_assumed = !options.intrinsics && camera.assumed;
@@ -66,9 +99,10 @@ void chooseCamera(const CameraSource& camera, double depth_units_per_metre, cons
   info.intrinsics = k;
 
   info.depth_units_per_metre = options.depth_units_per_metre.value_or(depth_units_per_metre);
+  info.depth_units_assumed = !options.depth_units_per_metre && depth_units_assumed;
   const double units = info.depth_units_per_metre;
   if (!std::isfinite(units) || units < 1 || units > 1e6)
-    throw InputError(info.path.string() + ": depth_units_per_metre is " + std::to_string(units) +
+    throw InputError(info.path.string() + ": depth_units_per_metre is " + printed("%g", units) +
                      "; give how many depth units make a metre, 1 to 1000000 (1000 for millimetres).");
 }
 

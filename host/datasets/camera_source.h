@@ -20,16 +20,17 @@ struct CameraSource {
   std::optional<Distortion> distortion;  ///< to be removed from the images
 };
 
-/// From `folder`/calibration.txt: fx fy cx cy, and k1 k2 p1 p2 k3 where it has nine numbers; nothing when
-/// there is no such file. Throws InputError when it does not start with four numbers; any other number of
-/// them is ignored with a warning.
+/// From `folder`/calibration.txt: fx fy cx cy, and k1 k2 p1 p2 k3 where it has eight or nine numbers, or the
+/// image's width and height before or behind them where it has six; or a camera matrix. Nothing when there is
+/// no such file. Throws InputError when it does not start with four numbers; any other number of them is
+/// ignored with a warning.
 std::optional<CameraSource> readCalibration(const std::filesystem::path& folder,
                                             std::vector<std::string>& warnings);
 
-/// Fills info.intrinsics (+ source, assumed) and info.depth_units_per_metre for images of width x height: the
-/// caller's options win over `camera`; assumed values for another image size are scaled with a warning.
-/// Throws InputError for implausible values or when explicit values are for another image size.
-void chooseCamera(const CameraSource& camera, double depth_units_per_metre, const SequenceOptions& options,
-                  int width, int height, SequenceInfo& info);
+/// Fills info.intrinsics (+ source, assumed) and info.depth_units_per_metre (+ assumed) for images of width x
+/// height: the caller's options win over `camera`; assumed values for another image size are scaled with a
+/// warning. Throws InputError for implausible values or when explicit values are for another image size.
+void chooseCamera(const CameraSource& camera, double depth_units_per_metre, bool depth_units_assumed,
+                  const SequenceOptions& options, int width, int height, SequenceInfo& info);
 
 }  // namespace rosefusion::datasets

@@ -29,13 +29,12 @@ Listing listFastCaMo(const fs::path& folder) {
   listing.camera = {{640, 480, 320.0, 320.0, 319.5, 239.5}, "the FastCaMo convention", true};
   listing.frames = readAssociations(findAssociationFile(folder), listing.warnings).frames;
   listing.notes.push_back(
-      "taken for FastCaMo, depth in millimetres: associations.txt has the colour image first, and there is "
-      "no "
-      "depth.txt; data of another kind needs a sequence.yaml");
-  if (stampsAreFrameNumbers(listing.frames)) {
-    listing.seconds_per_stamp = 1 / 30.0;
-    listing.notes.push_back("time stamps are frame numbers, kept as they are; 30 frames per second assumed");
-  }
+      "taken for FastCaMo, depth in millimetres (the depth scale is assumed): associations.txt has the "
+      "colour image "
+      "first, and there is no depth.txt; give --depth-units-per-metre (5000 for TUM's images) and "
+      "--intrinsics, or "
+      "write a sequence.yaml, for data of another kind");
+  recogniseFrameNumbers(listing);
   listing.truth = readTruth(folder / "groundtruth.txt", listing.warnings);
   return listing;
 }

@@ -1,8 +1,10 @@
 // ICL-NUIM (Handa et al., ICRA 2014), TUM-compatible PNGs: associations.txt with the depth image first and
 // frame numbers as stamps; depth in 1/5000 m; rendered with y upwards, hence the negative fy.
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 #include "host/datasets/association.h"
 #include "host/datasets/listing.h"
+#include "host/datasets/text_table.h"
 #include "host/datasets/truth.h"
 
 namespace rosefusion::datasets {
@@ -13,7 +15,7 @@ namespace fs = std::filesystem;
 fs::path findTruth(const fs::path& folder) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored))
-    if (entry.path().extension() == ".freiburg") return entry.path();
+    if (entry.path().extension() == ".freiburg" && !isHidden(entry.path())) return entry.path();
   return folder / "groundtruth.txt";
 }
 
@@ -21,6 +23,11 @@ bool matchesIclNuim(const fs::path& folder) {
   const fs::path file = findAssociationFile(folder);
   if (file.empty() || fs::exists(folder / "depth.txt")) return false;
   if (findTruth(folder).extension() == ".freiburg") return true;
+  // Without the truth the name must say so: the images are mirrored, and those of an own camera are not.
+  const std::string name = lowered(fs::weakly_canonical(folder).filename().string());
+  const bool named = name.find("frei_png") != name.npos || name.find("icl") != name.npos ||
+                     name.find("living_room") != name.npos || name.find("office_room") != name.npos;
+  if (!named) return false;
   try {
     std::vector<std::string> ignored;
     const Associations pairs = readAssociations(file, ignored);
@@ -37,10 +44,11 @@ Listing listIclNuim(const fs::path& folder) {
       {640, 480, 481.2, -480.0, 319.5, 239.5}, "the ICL-NUIM convention (negative fy)", true};
   listing.camera = readCalibration(folder, listing.warnings).value_or(camera);
   listing.frames = readAssociations(findAssociationFile(folder), listing.warnings).frames;
-  if (stampsAreFrameNumbers(listing.frames)) {
-    listing.seconds_per_stamp = 1 / kFramesPerSecond;
-    listing.notes.push_back("time stamps are frame numbers, kept as they are; 30 frames per second assumed");
-  }
+  recogniseFrameNumbers(listing);
+  listing.notes.push_back(
+      "taken for ICL-NUIM by its name or its *.gt.freiburg; its images are mirrored (negative fy); an own "
+      "recording "
+      "needs a calibration.txt, or a sequence.yaml");
   listing.truth = readTruth(findTruth(folder), listing.warnings);
   return listing;
 }

@@ -18,14 +18,47 @@ bool isTruncatedPng(std::string_view bytes) {
          bytes.substr(bytes.size() - std::min(bytes.size(), kTail)).find("IEND") == std::string_view::npos;
 }
 
+/// What a file that is no image turns out to be, by its first bytes, and what to do; empty: nothing known.
+std::string whatItIs(std::string_view bytes) {
+  constexpr const char* kExport =
+      "; depth is read from 16-bit PNG, TIFF or PGM images with one channel, so export it "
+      "as such";
+  const struct {
+    std::string_view begin;
+    const char *what, *remedy;
+  } known[] = {
+      {"\x93NUMPY", "a NumPy array", kExport},
+      {"PK\x03\x04", "a ZIP archive (as NumPy's .npz is)", kExport},
+      {"\x89HDF\r\n", "an HDF5 file", kExport},
+      {"\x76\x2f\x31\x01", "an OpenEXR image of floating-point numbers", kExport},
+      {"MATLAB", "a MATLAB file", kExport},
+      {"Pf\n", "a PFM image of floating-point numbers", kExport},
+      {"ply\n", "a PLY mesh or point cloud", kExport},
+      {"# .PCD", "a point cloud", kExport},
+      {"\x1f\x8b", "a gzip archive", "; unpack it"},
+      {std::string_view("\0\5\x16\7", 4), "what a Mac keeps beside a file (._NAME)",
+       "; name the file itself"},
+      {"version https://git-lfs", "a placeholder of Git LFS", "; fetch the image itself with 'git lfs pull'"},
+      {"<!DOCTYPE", "a web page", "; download the image itself"},
+      {"<html", "a web page", "; download the image itself"}};
+  for (const auto& kind : known)
+    if (bytes.starts_with(kind.begin)) return std::string(": is ") + kind.what + kind.remedy + ".";
+  return "";
+}
+
 bool decode(const std::filesystem::path& file, int flags, cv::Mat& image, std::string& problem) {
+  std::error_code unknown;
+  if (std::filesystem::is_directory(file, unknown)) {
+    problem = file.string() + ": is a folder, and cannot be read as an image; name the images in it.";
+    return false;
+  }
   std::ifstream in(file, std::ios::binary);
   if (!in) {
     problem = file.string() + ": " +
               (std::filesystem::exists(file) ? "the file cannot be opened." : "the file is missing.");
     return false;
   }
-  // Not by iterators, which throw where the disk cannot be read; a folder opens like a file.
+  // Not by iterators, which throw where the disk cannot be read.
   std::ostringstream read;
   read << in.rdbuf();
   std::string bytes = std::move(read).str();
@@ -34,6 +67,10 @@ bool decode(const std::filesystem::path& file, int flags, cv::Mat& image, std::s
     const bool is_empty = std::filesystem::file_size(file, error) == 0 && !error;
     problem = file.string() + (is_empty ? ": the file is empty" : ": cannot be read") +
               "; copy or download it again.";
+    return false;
+  }
+  if (const std::string what = whatItIs(bytes); !what.empty()) {
+    problem = file.string() + what;
     return false;
   }
   if (isTruncatedPng(bytes)) {

@@ -21,7 +21,8 @@ ImageSequence::ImageSequence(Listing listing, const SequenceOptions& options)
     throw InputError(info_.path.string() + ": holds no depth frames; check that it was copied whole.");
   sortByTime();
   const cv::Size size = findImageSize();
-  chooseCamera(listing.camera, listing.depth_units_per_metre, options, size.width, size.height, info_);
+  chooseCamera(listing.camera, listing.depth_units_per_metre, listing.depth_units_assumed, options,
+               size.width, size.height, info_);
   if (!options.intrinsics && listing.camera.distortion) {
     undistortion_.emplace(*listing.camera.distortion, info_.intrinsics);
     info_.notes.push_back("The lens' distortion is removed from the images (" + info_.intrinsics_source +

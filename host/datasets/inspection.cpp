@@ -32,6 +32,33 @@ std::uint64_t validCount(const Histogram& histogram) {
   return count;
 }
 
+/// Of the valid pixels, those above (or below) `value`.
+double shareBeyond(const Histogram& histogram, double value, bool above) {
+  std::uint64_t count = 0;
+  for (std::size_t v = 0; v < histogram.size(); ++v)
+    if (isValid(v) && (above ? static_cast<double>(v) > value : static_cast<double>(v) < value))
+      count += histogram[v];
+  return static_cast<double>(count) / static_cast<double>(std::max<std::uint64_t>(1, validCount(histogram)));
+}
+
+/// By how much neighbours in every fourth row that are both valid differ, in the mean and of the larger one;
+/// 0 without any.
+double roughness(const cv::Mat& depth, bool swapped) {
+  std::size_t pairs = 0;
+  double sum = 0;
+  const auto value = [&](std::uint16_t v) { return swapped ? (v << 8 & 0xFF00) | v >> 8 : int(v); };
+  for (int v = 0; v < depth.rows; v += 4) {
+    const auto* row = depth.ptr<std::uint16_t>(v);
+    for (int u = 1; u < depth.cols; ++u) {
+      if (!isValid(row[u - 1]) || !isValid(row[u])) continue;
+      const int a = value(row[u - 1]), b = value(row[u]);
+      ++pairs;
+      sum += static_cast<double>(std::abs(a - b)) / std::max(a, b);
+    }
+  }
+  return pairs == 0 ? 0 : sum / static_cast<double>(pairs);
+}
+
 /// The smallest valid value with at least `share` of the valid pixels at or below it.
 double percentile(const Histogram& histogram, double share) {
   const double wanted = share * static_cast<double>(validCount(histogram));
@@ -106,7 +133,8 @@ void inspectImages(Sequence& sequence, std::size_t max_images,
                    const std::function<void(std::size_t, std::size_t)>& progress, Inspection& result) {
   const std::size_t total = max_images == 0 ? sequence.size() : std::min(max_images, sequence.size());
   Histogram all(65536, 0);
-  std::vector<double> shares;
+  std::vector<double> shares, rough, rough_swapped;
+  std::vector<std::size_t> looked_at;
   cv::Mat before;
   for (std::size_t n = 0; n < total; ++n) {
     const std::size_t index = n * sequence.size() / total;
@@ -127,6 +155,9 @@ void inspectImages(Sequence& sequence, std::size_t max_images,
     }
     const double share = static_cast<double>(valid) / static_cast<double>(frame.depth.total());
     shares.push_back(share);
+    looked_at.push_back(index);
+    rough.push_back(roughness(frame.depth, false));
+    rough_swapped.push_back(roughness(frame.depth, true));
     if (share < result.valid_share_worst || shares.size() == 1) {
       result.valid_share_worst = share;
       result.worst_frame = index;
@@ -139,6 +170,18 @@ void inspectImages(Sequence& sequence, std::size_t max_images,
   }
   result.images_read = shares.size();
   result.valid_share_median = median(shares);
+  result.roughness = median(rough);
+  result.roughness_swapped = median(rough_swapped);
+  constexpr double kNearlyAll = 0.8;
+  if (!shares.empty()) result.valid_share_first = shares[0];
+  for (std::size_t i = 0; i < shares.size(); ++i)
+    if (shares[i] >= kNearlyAll * result.valid_share_median) {
+      result.whole_from = looked_at[i];
+      break;
+    }
+  const double units = sequence.info().depth_units_per_metre;
+  result.nearer_share = shareBeyond(all, result.limits.min * units, false);
+  result.farther_share = shareBeyond(all, result.limits.max * units, true);
   if (validCount(all) == 0) return;
   const auto metres = [&](double share) {
     return percentile(all, share) / sequence.info().depth_units_per_metre;
@@ -153,12 +196,15 @@ bool Inspection::usable() const {
 }
 
 Inspection inspectSequence(Sequence& sequence, std::size_t max_images,
-                           const std::function<void(std::size_t, std::size_t)>& progress) {
+                           const std::function<void(std::size_t, std::size_t)>& progress,
+                           const DepthLimits& limits) {
   Inspection result;
+  result.limits = limits;
   result.frames = sequence.size();
   inspectTimes(sequence, result);
   inspectTruth(sequence, result);
   inspectImages(sequence, max_images, progress, result);
+  result.truth_check = checkTruth(sequence);
   result.findings = findWhatLooksWrong(sequence.info(), result);
   return result;
 }

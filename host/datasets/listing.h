@@ -25,6 +25,7 @@ struct Listing {
   std::vector<FrameFiles> frames;  ///< in the order of the files; ImageSequence sorts them by time
   CameraSource camera;
   double depth_units_per_metre = 0;
+  bool depth_units_assumed = true;  ///< by the format's convention, rather than read from a file
   double seconds_per_stamp = 1;
   Trajectory truth;
   std::vector<std::string> notes;

@@ -43,8 +43,8 @@ class PackedSequence : public Sequence {
     const fs::path beside = file.parent_path();
     const fs::path named = beside / (file.stem().string() + ".txt");
     info_.truth = readTruth(fs::exists(named) ? named : beside / "groundtruth.txt", info_.warnings);
-    chooseCamera({{640, 480, 320.0, 320.0, 319.5, 239.5}, "the FastCaMo convention", true}, 1000, options,
-                 width, height, info_);
+    chooseCamera({{640, 480, 320.0, 320.0, 319.5, 239.5}, "the FastCaMo convention", true}, 1000, true,
+                 options, width, height, info_);
   }
 
   double timestamp(std::size_t index) const override { return static_cast<double>(index) / kFramesPerSecond; }

@@ -5,9 +5,13 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
+#include "host/core/text_file.h"
+#include "host/datasets/association.h"
 #include "host/datasets/listing.h"
 #include "host/datasets/text_table.h"
 #include "host/datasets/truth.h"
@@ -45,8 +49,13 @@ std::vector<fs::path> filesMatching(const fs::path& folder, const std::string& p
   const fs::path full = folder / pattern;
   std::vector<fs::path> files;
   std::error_code ignored;
+  if (fs::is_directory(full, ignored)) {
+    const std::string inside = (fs::path(pattern) / "").parent_path() / "*.png";
+    throw InputError(yaml.string() + ": '" + pattern + "' is a folder; name the images in it, such as '" +
+                     inside + "'.");
+  }
   for (const auto& entry : fs::directory_iterator(full.parent_path(), ignored))
-    if (fnmatch(full.filename().c_str(), entry.path().filename().c_str(), 0) == 0)
+    if (fnmatch(full.filename().c_str(), entry.path().filename().c_str(), FNM_PERIOD) == 0)
       files.push_back(entry.path());
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
     return naturalLess(a.filename().string(), b.filename().string());
@@ -72,6 +81,25 @@ T valueOf(const YAML::Node& node, const std::string& key, const fs::path& yaml) 
   }
 }
 
+/// The same for a number, which YAML may write as .nan or .inf too.
+double numberIn(const YAML::Node& node, const std::string& key, const fs::path& yaml) {
+  std::string text = valueOf<std::string>(node, key, yaml);
+  for (const char* special : {".nan", ".inf", "-.inf"})
+    if (lowered(text) == special) text.erase(text.find('.'), 1);
+  const std::optional<double> number = rosefusion::parseNumber(text);
+  if (!number)
+    throw InputError(yaml.string() + ": the value of '" + key + "' has the wrong type ('" + text +
+                     "' is no number; decimals take a point); " + kShape + ".");
+  return *number;
+}
+
+int sizeIn(const YAML::Node& node, const std::string& key, const fs::path& yaml) {
+  const double size = numberIn(node, key, yaml);
+  if (!(size >= 1 && size <= 1e6) || size != std::floor(size))
+    throw InputError(yaml.string() + ": '" + key + "' must be a whole number of pixels.");
+  return static_cast<int>(size);
+}
+
 void refuseUnknownKeys(const YAML::Node& node, const std::set<std::string>& known, const fs::path& yaml) {
   std::string names;
   for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
@@ -91,6 +119,55 @@ double stampFromName(const fs::path& file, const fs::path& yaml) {
   return stamp;
 }
 
+/// All digits of a file's name, each run of them without leading zeros: what tells images of one folder
+/// apart.
+std::string numberOfName(const fs::path& file) {
+  std::string number;
+  bool in_run = false;
+  for (const char c : file.stem().string()) {
+    const bool digit = c >= '0' && c <= '9';
+    if (digit && !in_run && !number.empty()) number += '.';
+    if (digit && in_run && number.ends_with('0') && (number.size() == 1 || number[number.size() - 2] == '.'))
+      number.pop_back();
+    if (digit) number += c;
+    in_run = digit;
+  }
+  return number;
+}
+
+/// The colour image of each depth image: the one of the same number, where the names have numbers in common;
+/// else the images are paired in order.
+std::vector<fs::path> partnersOf(const std::vector<fs::path>& depth, const std::vector<fs::path>& colour,
+                                 const fs::path& yaml, std::vector<std::string>& warnings) {
+  std::map<std::string, fs::path> by_number;
+  for (const fs::path& file : colour) by_number[numberOfName(file)] = file;
+  std::vector<fs::path> partners(depth.size());
+  std::set<std::string> numbers;
+  std::size_t paired = 0;
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    const std::string number = numberOfName(depth[i]);
+    numbers.insert(number);
+    const auto found = by_number.find(number);
+    if (number.empty() || found == by_number.end()) continue;
+    partners[i] = found->second;
+    ++paired;
+  }
+  const bool unique = numbers.size() == depth.size() && by_number.size() == colour.size();
+  if (!unique || 2 * paired < std::min(depth.size(), colour.size())) {
+    if (colour.size() == depth.size()) return colour;
+    throw InputError(
+        yaml.string() + ": " + std::to_string(depth.size()) + " depth but " + std::to_string(colour.size()) +
+        " colour images; they are paired in order, so remove those without a partner, or name both by "
+        "one number.");
+  }
+  if (paired < std::max(depth.size(), colour.size()))
+    warnings.push_back(
+        yaml.string() + ": " + std::to_string(depth.size() - paired) + " depth and " +
+        std::to_string(colour.size() - paired) +
+        " colour images have no partner of their number; those depth images are taken without colour.");
+  return partners;
+}
+
 bool matchesPngFolder(const fs::path& folder) {
   return fs::is_regular_file(folder / "sequence.yaml");
 }
@@ -99,7 +176,7 @@ Listing listPngFolder(const fs::path& folder) {
   const fs::path yaml = folder / "sequence.yaml";
   YAML::Node node;
   try {
-    node = YAML::LoadFile(yaml.string());
+    node = YAML::Load(readTextFile(yaml));
   } catch (const YAML::Exception& error) {
     throw InputError(yaml.string() + ": not valid YAML (" + error.what() + ").");
   }
@@ -110,34 +187,34 @@ Listing listPngFolder(const fs::path& folder) {
   const auto camera = valueOf<YAML::Node>(node, "intrinsics", yaml);
   refuseUnknownKeys(camera, {"fx", "fy", "cx", "cy", "width", "height"}, yaml);
   Intrinsics& k = listing.camera.values;
-  k.fx = valueOf<double>(camera, "fx", yaml);
-  k.fy = valueOf<double>(camera, "fy", yaml);
-  k.cx = valueOf<double>(camera, "cx", yaml);
-  k.cy = valueOf<double>(camera, "cy", yaml);
-  if (camera["width"]) k.width = valueOf<int>(camera, "width", yaml);
-  if (camera["height"]) k.height = valueOf<int>(camera, "height", yaml);
+  k.fx = numberIn(camera, "fx", yaml);
+  k.fy = numberIn(camera, "fy", yaml);
+  k.cx = numberIn(camera, "cx", yaml);
+  k.cy = numberIn(camera, "cy", yaml);
+  if (camera["width"]) k.width = sizeIn(camera, "width", yaml);
+  if (camera["height"]) k.height = sizeIn(camera, "height", yaml);
   listing.camera.source = yaml.string();
-  listing.depth_units_per_metre = valueOf<double>(node, "depth_units_per_metre", yaml);
+  listing.depth_units_assumed = false;
+  listing.depth_units_per_metre = numberIn(node, "depth_units_per_metre", yaml);
 
   const auto depth = filesMatching(folder, valueOf<std::string>(node, "depth", yaml), yaml);
   std::vector<fs::path> colour(depth.size());
-  if (node["colour"]) colour = filesMatching(folder, valueOf<std::string>(node, "colour", yaml), yaml);
-  if (colour.size() != depth.size())
-    throw InputError(yaml.string() + ": " + std::to_string(depth.size()) + " depth but " +
-                     std::to_string(colour.size()) +
-                     " colour images; they are paired in order, so remove those without a partner.");
+  if (node["colour"])
+    colour = partnersOf(depth, filesMatching(folder, valueOf<std::string>(node, "colour", yaml), yaml), yaml,
+                        listing.warnings);
   const bool stamps_from_names =
       node["timestamps"] && valueOf<std::string>(node, "timestamps", yaml) == "names";
   if (node["timestamps"] && !stamps_from_names)
     throw InputError(yaml.string() +
                      ": 'timestamps' can only be 'names'; leave it out and give 'fps' instead.");
-  const double fps = stamps_from_names ? 1 : valueOf<double>(node, "fps", yaml);
+  const double fps = stamps_from_names ? 1 : numberIn(node, "fps", yaml);
   if (!std::isfinite(fps) || fps <= 0) throw InputError(yaml.string() + ": 'fps' must be a number above 0.");
   for (std::size_t i = 0; i < depth.size(); ++i)
     listing.frames.push_back(
         {stamps_from_names ? stampFromName(depth[i], yaml) : static_cast<double>(i) / fps, depth[i],
          colour[i]});
 
+  if (stamps_from_names) recogniseFrameNumbers(listing);
   if (node["trajectory"]) {
     const fs::path file = folder / valueOf<std::string>(node, "trajectory", yaml);
     if (!fs::is_regular_file(file))

@@ -1,10 +1,10 @@
 // Replica as NICE-SLAM renders and stores it: results/depthNNNNNN.png, results/frameNNNNNN.jpg, traj.txt of
 // row-major 4x4 camera-to-world matrices, and cam_params.json in the scene's folder or the one above it.
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "host/core/error.h"
+#include "host/core/text_file.h"
 #include "host/datasets/listing.h"
 #include "host/datasets/text_table.h"
 #include "host/datasets/truth.h"
@@ -27,14 +27,14 @@ void readCamera(Listing& listing) {
   const fs::path folder = fs::weakly_canonical(listing.path);
   for (const fs::path& file : {folder / "cam_params.json", folder.parent_path() / "cam_params.json"}) {
     if (!fs::is_regular_file(file)) continue;
-    std::ifstream in(file);
     try {
-      const nlohmann::json camera = nlohmann::json::parse(in).at("camera");
+      const nlohmann::json camera = nlohmann::json::parse(readTextFile(file)).at("camera");
       listing.camera = {{camera.at("w"), camera.at("h"), camera.at("fx"), camera.at("fy"), camera.at("cx"),
                          camera.at("cy")},
                         file.string(),
                         false};
       listing.depth_units_per_metre = camera.at("scale");
+      listing.depth_units_assumed = false;
     } catch (const nlohmann::json::exception& error) {
       throw InputError(file.string() + ": expected {\"camera\": {w, h, fx, fy, cx, cy, scale}} (" +
                        error.what() + ").");

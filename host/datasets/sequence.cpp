@@ -5,6 +5,7 @@
 
 #include "host/core/error.h"
 #include "host/datasets/image_sequence.h"
+#include "host/datasets/text_table.h"
 
 namespace rosefusion {
 namespace {
@@ -36,7 +37,8 @@ std::unique_ptr<Sequence> openRecording(const fs::path& file, const SequenceOpti
 std::vector<fs::path> recordingsIn(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && isRecording(entry.path())) files.push_back(entry.path());
+    if (entry.is_regular_file() && isRecording(entry.path()) && !isHidden(entry.path()))
+      files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -45,7 +47,8 @@ std::vector<fs::path> recordingsIn(const fs::path& folder) {
 fs::path usableSubfolder(const fs::path& folder) {
   std::vector<fs::path> found;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_directory() && findReader(entry.path())) found.push_back(entry.path());
+    if (entry.is_directory() && !isHidden(entry.path()) && findReader(entry.path()))
+      found.push_back(entry.path());
   return found.empty() ? fs::path() : *std::min_element(found.begin(), found.end());
 }
 

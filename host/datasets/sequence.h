@@ -29,6 +29,7 @@ struct SequenceInfo {
   std::string intrinsics_source;    ///< the file or the convention they come from
   bool intrinsics_assumed = false;  ///< by convention rather than read from a file or given by the caller
   double depth_units_per_metre = 0;
+  bool depth_units_assumed = false;  ///< by the format's convention
   std::size_t frames = 0;
   bool has_colour = false;  ///< colour exists for at least one frame, whether it is asked for or not
   /// Seconds that one unit of the time stamps lasts: 1, except where the data set stamps with frame numbers

@@ -2,25 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
 #include <sstream>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
+#include "host/core/text_file.h"
 
 namespace rosefusion::datasets {
 
 TextTable readTextTable(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) throw InputError(file.string() + ": cannot be opened; check that it is a readable file.");
+  constexpr const char* kSeparators = " \t,\f\v";
+  std::istringstream in(readTextFile(file));
   TextTable table;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
-    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // a byte order mark
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream fields(line);
-    TextRow row{number, {}};
-    for (std::string field; fields >> field;) row.fields.push_back(field);
+    TextRow row{number, {}, line, {}};
+    for (std::size_t at = 0; (at = line.find_first_not_of(kSeparators, at)) != line.npos;) {
+      const std::size_t end = std::min(line.find_first_of(kSeparators, at), line.size());
+      row.fields.push_back(line.substr(at, end - at));
+      row.begins.push_back(at);
+      at = end;
+    }
     if (row.fields.empty()) continue;
     if (row.fields[0][0] == '#')
       table.comments += line + '\n';
@@ -30,10 +32,22 @@ TextTable readTextTable(const std::filesystem::path& file) {
   return table;
 }
 
+std::string TextRow::span(std::size_t first, std::size_t last) const {
+  const std::size_t begin = begins[first], end = begins[last] + fields[last].size();
+  std::string name = text.substr(begin, end - begin);
+  if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+  std::replace(name.begin(), name.end(), '\\', '/');  // of lists that were made on Windows
+  return name;
+}
+
+bool isHidden(const std::filesystem::path& file) {
+  return file.filename().string().starts_with('.');
+}
+
 bool parseNumber(const std::string& field, double& value) {
-  char* end = nullptr;
-  value = std::strtod(field.c_str(), &end);
-  return !field.empty() && *end == '\0';
+  const std::optional<double> number = rosefusion::parseNumber(field);
+  value = number.value_or(0);
+  return number.has_value();
 }
 
 std::optional<std::string> digitsBetween(const std::string& name, std::string_view prefix,
@@ -66,10 +80,10 @@ std::vector<StampedFile> readStampedFiles(const std::filesystem::path& list,
   std::string first;
   for (const TextRow& row : readTextTable(list).rows) {
     double stamp = 0;
-    std::string name;
-    for (std::size_t i = 1; i < row.fields.size(); ++i) name += (i > 1 ? " " : "") + row.fields[i];
+    const std::string name = row.fields.size() > 1 ? row.span(1, row.fields.size() - 1) : "";
     const bool named = row.fields.size() == 2 ||
                        (row.fields.size() > 2 && std::filesystem::exists(list.parent_path() / name));
+    if (named && isHidden(name)) continue;  // a list that was made of all files of a folder
     if (named && parseNumber(row.fields[0], stamp) && std::isfinite(stamp)) {
       files.push_back({stamp, name});
     } else if (skipped++ == 0) {
@@ -78,7 +92,8 @@ std::vector<StampedFile> readStampedFiles(const std::filesystem::path& list,
   }
   if (files.empty())
     throw InputError(list.string() +
-                     ": lists no images; each line should read 'timestamp file' with the time in seconds.");
+                     ": lists no images; each line should read 'timestamp file' with the time in seconds "
+                     "(with a decimal point).");
   if (skipped > 0) warnings.push_back(skippedLines(list, skipped, first));
   return files;
 }

@@ -11,6 +11,12 @@ namespace rosefusion::datasets {
 struct TextRow {
   int line = 0;  ///< 1-based, for messages
   std::vector<std::string> fields;
+  std::string text;                 ///< the whole line
+  std::vector<std::size_t> begins;  ///< of the fields in it
+
+  /// The line's text from the first to the last of these fields, with all blanks and commas between them,
+  /// without quotation marks around it: a file's name.
+  std::string span(std::size_t first, std::size_t last) const;
 };
 
 struct TextTable {
@@ -18,7 +24,8 @@ struct TextTable {
   std::string comments;  ///< all comment lines, joined
 };
 
-/// Splits at blanks and commas. Throws InputError when the file cannot be opened.
+/// Splits at blanks and commas. Throws InputError when the file cannot be opened. The file may be UTF-8 or
+/// UTF-16.
 TextTable readTextTable(const std::filesystem::path& file);
 
 /// True when the whole field is one number (finite or not).
@@ -42,6 +49,9 @@ struct StampedFile {
 /// warning for all of them; throws InputError when no line is good.
 std::vector<StampedFile> readStampedFiles(const std::filesystem::path& list,
                                           std::vector<std::string>& warnings);
+
+/// Whether it is one of the files that systems lay beside people's own: hidden, as a Mac's ._NAME is.
+bool isHidden(const std::filesystem::path& file);
 
 /// "LIST: N lines skipped, the first ..." - the one wording for lines left out.
 std::string skippedLines(const std::filesystem::path& list, std::size_t count, const std::string& first);

@@ -13,6 +13,11 @@ Trajectory readTruth(const std::filesystem::path& file, std::vector<std::string>
   Trajectory truth = readTumTrajectory(file, &was_unsorted, &skipped);
   if (was_unsorted)
     warnings.push_back(file.string() + ": the truth's time stamps are not ascending; they were sorted.");
+  if (const std::size_t doubled = repeatedStamps(truth); doubled > 0)
+    warnings.push_back(
+        file.string() + ": " + std::to_string(doubled) +
+        " truth poses have the time stamp of the one before; write one pose for each time, with six "
+        "decimals.");
   if (!skipped.empty())
     warnings.push_back(std::to_string(skipped.size()) +
                        (skipped.size() == 1 ? " truth pose" : " truth poses") +

@@ -4,6 +4,7 @@
 #include <map>
 #include <string_view>
 
+#include "host/core/number_text.h"
 #include "host/datasets/association.h"
 #include "host/datasets/listing.h"
 #include "host/datasets/text_table.h"
@@ -18,8 +19,7 @@ constexpr double kUnitsPerMetre = 5000;
 
 /// 1, 2 or 3 when the text names one of the three cameras the data set was recorded with, else 0.
 int freiburgNumber(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  text += ' ';
+  text = lowered(text) + ' ';
   for (const std::string_view name : {"freiburg", "fr"})
     for (auto at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) {
       const std::size_t digit = at + name.size();
@@ -62,15 +62,39 @@ void addPublishedLens(CameraSource& camera) {
   }
 }
 
+/// Says so where less than half of the depth images got a colour image from the list.
+void tellUnpaired(const fs::path& list, const char* asked, const std::vector<double>& stamps,
+                  Listing& listing) {
+  const auto& frames = listing.frames;
+  const auto paired =
+      std::count_if(frames.begin(), frames.end(), [](const FrameFiles& f) { return !f.colour.empty(); });
+  if (2 * static_cast<std::size_t>(paired) >= std::min(frames.size(), stamps.size())) return;
+  const auto [first, last] = std::minmax_element(stamps.begin(), stamps.end());
+  const auto earlier = [](const FrameFiles& a, const FrameFiles& b) { return a.timestamp < b.timestamp; };
+  const auto [begin, end] = std::minmax_element(frames.begin(), frames.end(), earlier);
+  listing.warnings.push_back(printed(
+      "%s: only %zu of %zu depth images have a colour image that %s; the others are taken without colour. "
+      "The list's stamps run from %.3f to %.3f, those of depth from %.3f to %.3f: if two clocks stamped "
+      "them, "
+      "bring both lists to one, or write 'depth-stamp depth-file colour-stamp colour-file' lines as "
+      "associations.txt.",
+      list.c_str(), static_cast<std::size_t>(paired), frames.size(), asked, *first, *last, begin->timestamp,
+      end->timestamp));
+}
+
 void addColour(const fs::path& folder, Listing& listing) {
   if (const fs::path file = findAssociationFile(folder); !file.empty()) {
     std::map<fs::path, fs::path> colour_of_depth;
-    for (const FrameFiles& pair : readAssociations(file, listing.warnings).frames)
+    std::vector<double> stamps;
+    for (const FrameFiles& pair : readAssociations(file, listing.warnings).frames) {
       colour_of_depth[pair.depth.lexically_normal()] = pair.colour;
+      stamps.push_back(pair.timestamp);
+    }
     for (FrameFiles& frame : listing.frames)
       if (const auto found = colour_of_depth.find(frame.depth.lexically_normal());
           found != colour_of_depth.end())
         frame.colour = found->second;
+    tellUnpaired(file, "names the depth image", stamps, listing);
   } else if (fs::exists(folder / "rgb.txt")) {
     const std::vector<StampedFile> colours = readStampedFiles(folder / "rgb.txt", listing.warnings);
     std::vector<double> depth_stamps, colour_stamps;
@@ -79,6 +103,7 @@ void addColour(const fs::path& folder, Listing& listing) {
     const auto nearest = associateNearest(depth_stamps, colour_stamps, kMaxColourOffset);
     for (std::size_t i = 0; i < nearest.size(); ++i)
       if (nearest[i]) listing.frames[i].colour = folder / colours[*nearest[i]].file;
+    tellUnpaired(folder / "rgb.txt", "lies within 0.02 s", colour_stamps, listing);
   }
 }
 
@@ -89,6 +114,11 @@ bool matchesTum(const fs::path& folder) {
 Listing listTum(const fs::path& folder) {
   Listing listing = listTumLayout(folder, kTumReader.format, conventionalCamera(folder));
   addPublishedLens(listing.camera);
+  // Where it lies without its truth, and under another name.
+  if (!fs::exists(folder / "depth.txt") && listing.seconds_per_stamp != 1 && listing.camera.assumed)
+    listing.notes.push_back(
+        "if this is ICL-NUIM, its images are mirrored: put its *.gt.freiburg beside them, or give "
+        "--intrinsics 481.2,-480,319.5,239.5");
   return listing;
 }
 
@@ -104,6 +134,7 @@ Listing listTumLayout(const fs::path& folder, const std::string& format, const C
   } else {
     listing.frames = readAssociations(findAssociationFile(folder), listing.warnings).frames;
   }
+  recogniseFrameNumbers(listing);
   listing.truth = readTruth(folder / "groundtruth.txt", listing.warnings);
   return listing;
 }

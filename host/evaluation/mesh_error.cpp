@@ -54,10 +54,13 @@ MeshErrors measureMesh(const TriangleMesh& reconstruction, const TriangleMesh& t
   requireSound(truth, options.truth_name);
   const auto reconstruction_points = samples(reconstruction, options, 0, options.reconstruction_name);
   const auto truth_points = samples(truth, options, 1, options.truth_name);
-  const std::vector<double> to_truth =
-      distances(truth, reconstruction_points, options.truth_from_reconstruction);
+  // Between the meshes' own origins, so that large coordinates cancel before floats see them.
+  Pose truth_from_reconstruction = options.truth_from_reconstruction;
+  truth_from_reconstruction.translation() =
+      options.truth_from_reconstruction * reconstruction.origin - truth.origin;
+  const std::vector<double> to_truth = distances(truth, reconstruction_points, truth_from_reconstruction);
   const std::vector<double> to_reconstruction =
-      distances(reconstruction, truth_points, options.truth_from_reconstruction.inverse());
+      distances(reconstruction, truth_points, truth_from_reconstruction.inverse());
 
   MeshErrors errors;
   errors.reconstruction_samples = to_truth.size();

@@ -7,6 +7,7 @@
 
 #include "host/core/error.h"
 #include "host/core/file_io.h"
+#include "host/core/number_text.h"
 #include "host/core/system.h"
 
 namespace rosefusion {
@@ -41,7 +42,7 @@ set linetype 4 linecolor rgb "#edae49" linewidth 2
 void renderPlot(const Plot& plot, const fs::path& png) {
   const ScratchFolder folder("plot");
   for (const auto& [name, text] : plot.tables) write(folder.path() / name, text);
-  std::ostringstream script;
+  TextStream script;
   script << "set terminal pngcairo size " << plot.width_px << ',' << plot.height_px
          << " font \"sans,15\" noenhanced background rgb \"white\"\n"
          << "cd " << plotQuoted(folder.path().string()) << "\nset output 'plot.png'\n"

@@ -1,4 +1,5 @@
 #include "host/evaluation/report_json.h"
+#include "host/core/number_text.h"
 
 #include <sstream>
 #include <string>
@@ -10,7 +11,7 @@ using Json = nlohmann::ordered_json;
 
 /// A threshold as it appears in names: 0.05 -> "5cm".
 std::string centimetres(double threshold_m) {
-  std::ostringstream text;
+  TextStream text;
   text << threshold_m * 100 << "cm";
   return text.str();
 }

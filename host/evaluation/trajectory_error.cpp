@@ -1,4 +1,5 @@
 #include "host/evaluation/trajectory_error.h"
+#include "host/core/number_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,7 +68,7 @@ void countFrames(const Trajectory& estimate, const Trajectory& truth, const std:
                  const TrajectoryErrorOptions& options, TrajectoryErrors& errors) {
   std::vector<double> estimated = stamps(estimate);
   const double estimate_interval = usualInterval(estimated), truth_interval = usualInterval(stamps(truth));
-  std::ostringstream basis;
+  TextStream basis;
   if (options.sequence_frames > 0) {
     errors.frames = std::max(options.sequence_frames, estimate.size());
     errors.lost_frames = errors.frames - estimate.size();
@@ -96,7 +97,7 @@ void countFrames(const Trajectory& estimate, const Trajectory& truth, const std:
 }
 
 std::string describeAssociation(const TrajectoryErrors& errors, const TrajectoryErrorOptions& options) {
-  std::ostringstream text;
+  TextStream text;
   if (options.association == Association::kNearest)
     text << "nearest stamps, one to one, at most " << options.max_difference_s << " s apart";
   else
@@ -141,7 +142,35 @@ void measureRelative(TrajectoryErrors& errors, double seconds_per_stamp) {
   errors.rpe_second_deg = summarise(second_deg);
 }
 
+double spreadRatio(const std::vector<PosePair>& pairs) {
+  if (pairs.size() < kFewestCommonPoses) return 0;
+  Eigen::Vector3d estimated = Eigen::Vector3d::Zero(), truth = estimated;
+  for (const PosePair& p : pairs) estimated += p.estimate.translation(), truth += p.truth.translation();
+  estimated /= static_cast<double>(pairs.size()), truth /= static_cast<double>(pairs.size());
+  double of_estimate = 0, of_truth = 0;
+  for (const PosePair& p : pairs) {
+    of_estimate += (p.estimate.translation() - estimated).squaredNorm();
+    of_truth += (p.truth.translation() - truth).squaredNorm();
+  }
+  return of_estimate > 0 ? std::sqrt(of_truth / of_estimate) : 0;
+}
+
 }  // namespace
+
+std::string scaleDoubt(const TrajectoryErrors& errors) {
+  constexpr double kUsual = 1.25;
+  const double ratio = errors.spread_ratio;
+  if (ratio <= 0 || (ratio < kUsual && ratio > 1 / kUsual)) return "";
+  const auto is_near = [&](double factor) {
+    return std::abs(ratio / factor - 1) < 0.15 || std::abs(ratio * factor - 1) < 0.15;
+  };
+  return printed("The true positions spread %.4g times as far as the estimated ones: ", ratio) +
+         (is_near(1000) ? "one of the two is in millimetres; bring both to metres."
+          : is_near(100)
+              ? "one of the two is in centimetres; bring both to metres."
+              : "check that both are in metres, and the depth scale (depth units per metre) that the "
+                "estimate was made with.");
+}
 
 TrajectoryErrors measureTrajectory(const Trajectory& estimate_in, const Trajectory& truth_in,
                                    const TrajectoryErrorOptions& options) {
@@ -171,6 +200,7 @@ TrajectoryErrors measureTrajectory(const Trajectory& estimate_in, const Trajecto
     ate.push_back((aligned - p.truth.translation()).norm());
     errors.per_frame.push_back({p, ate.back(), te.back()});
   }
+  errors.spread_ratio = spreadRatio(pairs);
   const double judged = static_cast<double>(pairs.size() + errors.lost_frames);
   for (std::size_t i = 0; i < kTeThresholds_m.size(); ++i) {
     const auto under = std::count_if(te.begin(), te.end(), [&](double e) { return e < kTeThresholds_m[i]; });

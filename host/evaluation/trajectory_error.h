@@ -60,7 +60,13 @@ struct TrajectoryErrors {
   ErrorSummary rpe_second_m, rpe_second_deg;
 
   std::vector<FrameError> per_frame;
+  /// How many times as far the common true positions spread as the estimated ones; 0: not known.
+  double spread_ratio = 0;
 };
+
+/// In words, what is wrong with the unit of one of the two where their sizes differ by more than a fifth;
+/// else empty.
+std::string scaleDoubt(const TrajectoryErrors& errors);
 
 /// Unsorted trajectories are sorted; poses that are not finite count as lost (in the truth: as absent). No
 /// common pose is no error: every summary is then empty (NaN) and common_poses is 0.

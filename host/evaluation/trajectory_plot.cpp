@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 #include "host/evaluation/plot.h"
 
 namespace rosefusion {
@@ -25,7 +26,7 @@ std::array<int, 2> widestAxes(const TrajectoryErrors& errors) {
 std::string truthTable(const TrajectoryErrors& errors, const Trajectory& truth,
                        const std::array<int, 2>& axes) {
   const PosePair &first = errors.per_frame.front().poses, &last = errors.per_frame.back().poses;
-  std::ostringstream rows;
+  TextStream rows;
   rows << std::setprecision(9);
   const auto add = [&](const Pose& p) {
     rows << p.translation()[axes[0]] << ' ' << p.translation()[axes[1]] << '\n';
@@ -45,7 +46,7 @@ std::string errorTable(const TrajectoryErrors& errors, const std::array<int, 2>&
     gaps.push_back(errors.per_frame[i].poses.timestamp - errors.per_frame[i - 1].poses.timestamp);
   std::sort(gaps.begin(), gaps.end());
   const double break_s = gaps.empty() ? 0 : 4 * gaps[gaps.size() / 2];
-  std::ostringstream rows;
+  TextStream rows;
   rows << std::setprecision(9);
   const double start_s = errors.per_frame.front().poses.timestamp;
   double last_s = start_s;
@@ -69,7 +70,7 @@ void plotTrajectoryErrors(const TrajectoryErrors& errors, const Trajectory& trut
   Plot plot;
   plot.tables["truth.dat"] = truthTable(errors, truth, axes);
   plot.tables["errors.dat"] = errorTable(errors, axes);
-  std::ostringstream commands;
+  TextStream commands;
   commands << "set multiplot layout 1,2 title " << plotQuoted(title) << " font \"sans,18\"\n"
            << "set key outside top center horizontal\n"
            << "set size ratio -1\n"

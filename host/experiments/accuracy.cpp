@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/core/number_text.h"
 #include "host/experiments/families.h"
 #include "host/experiments/quoted.h"
 #include "host/experiments/runs.h"
@@ -41,16 +42,14 @@ int workAccuracy(const ExperimentContext& context) {
 }
 
 /// What the paper's tables call a recorded sequence of this folder name; empty for others.
-std::string nameInPaper(std::string folder) {
-  std::transform(folder.begin(), folder.end(), folder.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+std::string nameInPaper(const std::string& path) {
+  const std::string folder = lowered(path);
   for (int i = 0; i < 4; ++i)
     if (folder.find(fmt::format("traj{}", i)) != std::string::npos || folder == fmt::format("kt{}", i))
       return fmt::format("kt{}", i);
   for (const QuotedFigure& f : quotedFigures()) {
-    std::string name = f.sequence;
-    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-    if (f.quantity == "ATE mean" && f.label != "tab:ablt-tsdf" && folder.find(name) != std::string::npos)
+    if (f.quantity == "ATE mean" && f.label != "tab:ablt-tsdf" &&
+        folder.find(lowered(f.sequence)) != std::string::npos)
       return f.sequence;
   }
   return "";

@@ -1,4 +1,5 @@
 #include "host/experiments/quoted.h"
+#include "host/core/number_text.h"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -23,7 +24,7 @@ const std::vector<QuotedFigure>& quotedFigures() {
       std::string value;
       for (std::string* cell : {&f.label, &f.sequence, &f.system, &f.quantity, &f.unit, &value})
         std::getline(cells, *cell, ',');
-      f.value = value == "failed" ? std::numeric_limits<double>::quiet_NaN() : std::stod(value);
+      f.value = value == "failed" ? std::numeric_limits<double>::quiet_NaN() : parseNumber(value).value();
       figures.push_back(f);
     }
     return figures;

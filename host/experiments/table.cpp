@@ -1,4 +1,5 @@
 #include "host/experiments/table.h"
+#include "host/core/number_text.h"
 
 #include <cmath>
 #include <cstdio>
@@ -16,9 +17,7 @@ std::string doubled(std::string text) {
 }  // namespace
 
 Cell::Cell(double value) {
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "%.6g", value);
-  text = std::isnan(value) ? "nan" : digits;  // printf may write -nan
+  text = std::isnan(value) ? "nan" : printed("%.6g", value);  // printf may write -nan
 }
 
 void Table::add(std::initializer_list<Cell> row) {

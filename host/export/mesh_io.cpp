@@ -60,9 +60,10 @@ void requireValidIndices(const std::filesystem::path& file, const aiScene& scene
 }
 
 std::string plyHeader(const TriangleMesh& mesh) {
+  const std::string type = mesh.origin.isZero() ? "float" : "double";
   std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex " +
-                     std::to_string(mesh.vertices.size()) +
-                     "\nproperty float x\nproperty float y\nproperty float z\n";
+                     std::to_string(mesh.vertices.size()) + "\nproperty " + type + " x\nproperty " + type +
+                     " y\nproperty " + type + " z\n";
   if (!mesh.normals.empty()) text += "property float nx\nproperty float ny\nproperty float nz\n";
   if (!mesh.colours.empty()) text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   return text + "element face " + std::to_string(mesh.triangles.size()) +
@@ -128,6 +129,7 @@ void weld(TriangleMesh& mesh) {
   };
   std::unordered_map<Key, std::uint32_t, Hash> known;
   TriangleMesh welded;
+  welded.origin = mesh.origin;
   for (auto triangle : mesh.triangles) {
     for (std::uint32_t& v : triangle) {
       Key key{};
@@ -157,6 +159,13 @@ TriangleMesh readMesh(const std::filesystem::path& file, bool allow_points) {
     throw InputError(file.string() + ": no such mesh file; give a PLY, OBJ, STL or glTF file.");
   const bool is_ply = isPly(file);
   TriangleMesh mesh = is_ply ? readPly(file) : readWithAssimp(file);
+  if (!is_ply && !mesh.vertices.empty()) {
+    Eigen::Vector3f low = mesh.vertices[0], high = low;
+    for (const Eigen::Vector3f& v : mesh.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
+    if (low.allFinite() && high.allFinite())
+      requireFineFloats(file.string(), std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff()),
+                        (high - low).norm());
+  }
   const bool is_cloud = allow_points && is_ply && mesh.triangles.empty() && !mesh.vertices.empty();
   if (mesh.triangles.empty() && !is_cloud)
     throw InputError(file.string() + ": the mesh has no triangles; export it as a triangulated surface.");
@@ -177,14 +186,20 @@ void writePly(const std::filesystem::path& file, const TriangleMesh& mesh) {
   static_assert(std::endian::native == std::endian::little,
                 "the values below are copied as they lie in memory");
   std::string bytes = plyHeader(mesh);
-  const std::size_t vertex_size = 12 + (mesh.normals.empty() ? 0 : 12) + (mesh.colours.empty() ? 0 : 3),
+  const bool local = mesh.origin.isZero();
+  const std::size_t vertex_size =
+                        (local ? 12 : 24) + (mesh.normals.empty() ? 0 : 12) + (mesh.colours.empty() ? 0 : 3),
                     triangle_size = 13;
   bytes.reserve(bytes.size() + mesh.vertices.size() * vertex_size + mesh.triangles.size() * triangle_size);
   const auto add = [&](const void* data, std::size_t size) {
     bytes.append(static_cast<const char*>(data), size);
   };
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    add(mesh.vertices[i].data(), 12);
+    const Eigen::Vector3d placed = mesh.vertices[i].cast<double>() + mesh.origin;
+    if (local)
+      add(mesh.vertices[i].data(), 12);
+    else
+      add(placed.data(), 24);
     if (!mesh.normals.empty()) add(mesh.normals[i].data(), 12);
     if (!mesh.colours.empty()) add(mesh.colours[i].data(), 3);
   }

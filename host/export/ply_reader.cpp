@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -11,6 +10,7 @@
 #include <string>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 
 namespace rosefusion {
 namespace {
@@ -57,10 +57,27 @@ class PlyReader {
         for (std::size_t i = 0; i < element.count; ++i)
           for (const Property& p : element.properties) readProperty(p);
     }
+    placeVertices();
     return std::move(mesh_);
   }
 
  private:
+  /// The vertices as floats, after an origin in their middle was taken off where they lie far from their own.
+  void placeVertices() {
+    if (exact_.empty()) return;
+    Eigen::Vector3d low = exact_[0], high = exact_[0];
+    for (const Eigen::Vector3d& v : exact_) low = low.cwiseMin(v), high = high.cwiseMax(v);
+    if (low.allFinite() && high.allFinite()) {
+      const double diagonal = (high - low).norm(),
+                   largest = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
+      if (rounded_) requireFineFloats(name_, largest, diagonal);
+      constexpr double kFine = 1e-5;  // metres; floats that are closer do no harm
+      if (spacingOfFloats(largest) > kFine && largest > 4 * diagonal)
+        mesh_.origin = ((low + high) / 2).array().round();
+    }
+    for (const Eigen::Vector3d& v : exact_) mesh_.vertices.emplace_back((v - mesh_.origin).cast<float>());
+  }
+
   [[noreturn]] void damaged(const std::string& why) const {
     throw InputError(name_ + ": the PLY file is damaged (" + why + "); export or download it again.");
   }
@@ -78,6 +95,7 @@ class PlyReader {
     if (headerLine() != "ply") damaged("it does not start with 'ply'");
     for (std::string line = headerLine(); line != "end_header"; line = headerLine()) {
       std::istringstream words(line);
+      words.imbue(std::locale::classic());
       std::string word, second;
       words >> word >> second;
       if (word == "format") {
@@ -121,12 +139,12 @@ class PlyReader {
 
   double readValue(Type type) {
     if (text_) {
-      char* end = nullptr;
-      const double value = std::strtod(bytes_.c_str() + at_, &end);
-      const auto next = static_cast<std::size_t>(end - bytes_.c_str());
-      if (next == at_) damaged("it ends too early or holds something that is no number");
-      at_ = next;
-      return value;
+      std::string_view rest = std::string_view(bytes_).substr(at_);
+      rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n\f\v"), rest.size()));
+      const std::optional<double> value = takeNumber(rest);
+      if (!value) damaged("it ends too early or holds something that is no number");
+      at_ = bytes_.size() - rest.size();
+      return *value;
     }
     switch (type) {
       case Type::kInt8:
@@ -168,13 +186,14 @@ class PlyReader {
       const auto name = std::find(names, names + 9, p.name);
       slot.push_back(name == names + 9 ? 9 : static_cast<int>(name - names));
       if (slot.back() < 9) ++found[slot.back()];
+      if (slot.back() < 3 && p.type == Type::kFloat && !text_) rounded_ = true;
       if (p.name == "red" && (p.type == Type::kFloat || p.type == Type::kDouble)) colour_scale = 255;
     }
     if (!found[0] || !found[1] || !found[2]) damaged("its vertices have no x, y and z");
     for (std::size_t i = 0; i < element.count; ++i) {
       double v[10];
       for (std::size_t p = 0; p < slot.size(); ++p) v[slot[p]] = readProperty(element.properties[p]);
-      mesh_.vertices.emplace_back(Eigen::Vector3d(v[0], v[1], v[2]).cast<float>());
+      exact_.emplace_back(v[0], v[1], v[2]);
       if (found[3] && found[4] && found[5])
         mesh_.normals.emplace_back(Eigen::Vector3d(v[3], v[4], v[5]).cast<float>());
       if (!found[6] || !found[7] || !found[8]) continue;
@@ -185,7 +204,7 @@ class PlyReader {
   }
 
   void readFaces(const Element& element) {
-    const auto count = static_cast<double>(mesh_.vertices.size());
+    const auto count = static_cast<double>(exact_.size());
     for (std::size_t i = 0; i < element.count; ++i)
       for (const Property& p : element.properties) {
         readProperty(p);
@@ -205,10 +224,26 @@ class PlyReader {
   bool text_ = true, swap_ = false;
   std::vector<Element> elements_;
   std::vector<double> list_;
+  std::vector<Eigen::Vector3d> exact_;  // the vertices
+  bool rounded_ = false;                // they are floats in the file
   TriangleMesh mesh_;
 };
 
 }  // namespace
+
+double spacingOfFloats(double value) {
+  return value * 0x1p-23;
+}
+
+void requireFineFloats(const std::string& name, double largest, double diagonal) {
+  constexpr double kCoarse = 1e-3, kCoarseShare = 1e-5;  // metres, and of the mesh
+  const double spacing = spacingOfFloats(largest);
+  if (spacing > kCoarse && spacing > kCoarseShare * diagonal)
+    throw InputError(
+        printed("%s: its coordinates reach %.0f m and were rounded to 32-bit numbers, which lie %.2g m "
+                "apart there; export it as PLY with double coordinates, or in local ones.",
+                name.c_str(), largest, spacing));
+}
 
 TriangleMesh readPly(const std::filesystem::path& file) {
   return PlyReader(file).read();

@@ -9,6 +9,7 @@
 #include "host/core/error.h"
 #include "host/core/file_io.h"
 #include "host/export/mesh_io.h"
+#include "host/run/likely_cause.h"
 #include "host/run/preview.h"
 #include "host/run/report.h"
 #include "host/slam/mapping/mesh_extraction.h"
@@ -54,9 +55,9 @@ void OutputFolder::write(const RunSummary& summary, const SequenceInfo& info, Pi
       extractMesh(extract, pipeline.volume(),
                   {static_cast<float>(mesh.min_weight), static_cast<std::size_t>(mesh.min_component)});
   if (surface.triangles.empty())
-    spdlog::warn(
-        "mesh.ply is left out, for the model has no surface to show; fuse more frames, or lower "
-        "mesh.min_weight or mesh.min_component.");
+    spdlog::warn("mesh.ply is left out, for the model has no surface to show; {}",
+                 lostMost(summary) ? "most frames were lost, and what was fused is too little."
+                                   : "fuse more frames, or lower mesh.min_weight or mesh.min_component.");
   else
     writePly(folder_ / "mesh.ply", surface);
   std::vector<std::uint8_t> png;

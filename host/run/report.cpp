@@ -5,6 +5,7 @@
 #include <iomanip>
 #include <sstream>
 
+#include "host/core/number_text.h"
 #include "host/evaluation/report_json.h"
 
 namespace rosefusion {
@@ -107,7 +108,7 @@ Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& p
 }
 
 std::string framesCsv(const RunSummary& summary) {
-  std::ostringstream out;
+  TextStream out;
   out << "frame,timestamp_s,status,reason,iterations,lookups,residual_truncations,overlap_share,valid_share,"
          "fit_cost,fit_usable,fit_close,fit_constraint,intruding_share,fused,"
          "tx_m,ty_m,tz_m,"

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <limits>
 #include <numeric>
 #include <sstream>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
+#include "host/core/text_file.h"
 #include "host/settings/presets.h"
 
 namespace rosefusion {
@@ -48,12 +50,10 @@ const SettingsField& findField(std::string_view key, const std::string& source) 
 }
 
 double numberOf(const std::string& text, const SettingsField& field, const std::string& source, bool whole) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  const bool number =
-      !text.empty() && *end == '\0' && std::isfinite(value) && (!whole || value == std::floor(value));
+  const double value = parseNumber(text).value_or(std::numeric_limits<double>::quiet_NaN());
+  const bool number = std::isfinite(value) && (!whole || value == std::floor(value));
   if (!number || value < field.min || value > field.max) {
-    std::ostringstream sentence;
+    TextStream sentence;
     sentence << source << ": " << field.key << " = '" << text << "' must be a " << (whole ? "whole " : "")
              << "number from " << field.min << " to " << field.max
              << (field.unit.empty() ? "" : " " + field.unit) << ".";
@@ -77,6 +77,7 @@ std::vector<SwarmLevel> levelsOf(const std::string& text, const SettingsField& f
     SwarmLevel level;
     char slash = 0;
     std::istringstream parts(word);
+    parts.imbue(std::locale::classic());
     if (!(parts >> level.particles >> slash >> level.pixel_stride) || slash != '/' || !parts.eof() ||
         level.particles < 32 || level.particles > 200000 || level.pixel_stride < 1 ||
         level.pixel_stride > 256)
@@ -114,7 +115,7 @@ void setField(Settings& settings, std::string_view key, const std::string& value
 }
 
 std::string fieldText(const Settings& settings, const SettingsField& field) {
-  std::ostringstream text;
+  TextStream text;
   text.precision(12);
   Settings copy = settings;  // the table's references are to mutable settings
   std::visit(Overloaded{[&](const double* v) { text << *v; }, [&](const int* v) { text << *v; },
@@ -166,13 +167,14 @@ void applyYamlText(Settings& settings, const std::string& text, const std::strin
 }
 
 void applyYamlFile(Settings& settings, const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  if (in) text << in.rdbuf();
-  if (text.str().empty())
+  std::error_code unknown;
+  const bool is_file =
+      std::filesystem::exists(file, unknown) && !std::filesystem::is_directory(file, unknown);
+  const std::string text = is_file ? readTextFile(file) : "";
+  if (text.empty())
     throw InputError(file.string() +
                      ": cannot be read, or is empty; give a YAML file or a preset (default, paper).");
-  applyYamlText(settings, text.str(), file.string());
+  applyYamlText(settings, text, file.string());
 }
 
 std::vector<std::string> presetNames() {
@@ -194,7 +196,7 @@ Settings loadSettings(const std::string& preset_or_file) {
 }
 
 std::string toYaml(const Settings& settings) {
-  std::ostringstream out;
+  TextStream out;
   std::string group;
   for (const SettingsField& field : settingsTable()) {
     const std::string name = field.key.substr(0, field.key.find('.'));
@@ -212,6 +214,16 @@ void requireConsistent(const Settings& settings) {
     throw InputError(
         "volume.truncation must be at least 2 voxels (volume.voxel_size), or no surface can be found in it.");
   requireValid(settings.swarm);
+}
+
+void requireImagesFit(const Settings& settings, int width, int height) {
+  int stride = std::max(settings.refine.pixel_stride, settings.refine.coarse_pixel_stride);
+  for (const SwarmLevel& level : settings.swarm.levels) stride = std::max(stride, level.pixel_stride);
+  if (width < stride || height < stride)
+    throw InputError(
+        printed("The depth images (%dx%d pixels) are smaller than the largest pixel stride of "
+                "swarm.levels and refine, %d; give larger images, or smaller strides by --set.",
+                width, height, stride));
 }
 
 }  // namespace rosefusion

@@ -159,4 +159,7 @@ std::string toYaml(const Settings& settings);
 /// Combinations that no single field's range catches. Throws InputError naming the settings.
 void requireConsistent(const Settings& settings);
 
+/// Throws InputError for images, in pixels, that are too small for what the settings look at in them.
+void requireImagesFit(const Settings& settings, int width, int height);
+
 }  // namespace rosefusion

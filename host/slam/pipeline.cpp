@@ -94,7 +94,8 @@ const char* toString(TrackingStatus status) {
 Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& intrinsics,
                    double depth_units_per_metre, const Log& log)
     : device_(device),
-      settings_((requireConsistent(settings), settings)),
+      settings_((requireConsistent(settings), requireImagesFit(settings, intrinsics.width, intrinsics.height),
+                 settings)),
       intrinsics_(intrinsics),
       depth_units_per_metre_(depth_units_per_metre),
       recorder_(device),

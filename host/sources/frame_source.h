@@ -3,7 +3,7 @@
 #include <functional>
 #include <string>
 
-#include "host/datasets/sequence.h"
+#include "host/datasets/inspection.h"
 
 namespace rosefusion {
 
@@ -28,6 +28,9 @@ class FrameSource {
   virtual const SequenceInfo& info() const = 0;
   /// Frames that next() will give at most; 0: not known.
   virtual std::size_t expectedFrames() const { return info().frames; }
+  /// What looks wrong with a recording, from a few of its images; before the first next(). Nothing of live
+  /// sources.
+  virtual std::vector<Finding> findings(const DepthLimits&) { return {}; }
   /// Waits for the next frame. `out` is set for SourceState::Frame only. Throws InputError when the source
   /// fails for good, such as a camera that was unplugged.
   virtual SourceState next(SourceFrame& out, const StopQuestion& stop) = 0;

@@ -10,6 +10,8 @@ namespace {
 
 /// Refuses what only a recording can do.
 void requireNoSelection(const std::string& text, const SourceOptions& options) {
+  if (options.selection.start > 0)
+    throw InputError(text + ": --start is for recorded sequences; a live source begins when it is opened.");
   if (options.selection.stride > 1)
     throw InputError(text + ": --stride is for recorded sequences; a live source is taken as it comes.");
   if (options.pace == Pace::Recorded)
@@ -49,8 +51,12 @@ std::unique_ptr<FrameSource> openSource(const std::string& text, const SourceOpt
     camera.intrinsics = options.sequence.intrinsics;
     return openCamera(*kind, camera);
   }
-  return std::make_unique<SequenceSource>(openSequence(text, options.sequence), options.selection,
-                                          options.pace);
+  auto sequence = openSequence(text, options.sequence);
+  if (options.selection.start >= sequence->size())
+    throw InputError(text + ": --start " + std::to_string(options.selection.start) +
+                     " leaves nothing of its " + std::to_string(sequence->size()) +
+                     " frames; give a smaller number.");
+  return std::make_unique<SequenceSource>(std::move(sequence), options.selection, options.pace);
 }
 
 }  // namespace rosefusion

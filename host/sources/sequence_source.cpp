@@ -19,7 +19,7 @@ SourceFrame readFrame(Sequence& sequence, std::size_t index) {
 
 std::vector<std::size_t> selectedFrames(std::size_t size, const RunOptions& options) {
   std::vector<std::size_t> indices;
-  for (std::size_t i = 0; i < size; i += std::max<std::size_t>(1, options.stride)) {
+  for (std::size_t i = options.start; i < size; i += std::max<std::size_t>(1, options.stride)) {
     if (options.max_frames && indices.size() == options.max_frames) break;
     indices.push_back(i);
   }
@@ -38,6 +38,12 @@ SequenceSource::SequenceSource(std::unique_ptr<Sequence> sequence, const RunOpti
 
 SequenceSource::~SequenceSource() {
   if (ahead_.valid()) ahead_.wait();
+}
+
+std::vector<Finding> SequenceSource::findings(const DepthLimits& limits) {
+  constexpr std::size_t kLookedAt = 16;  // images, spread over the sequence
+  if (ahead_.valid()) ahead_.wait();     // one reader at a time
+  return inspectSequence(sequence_, kLookedAt, {}, limits).findings;
 }
 
 void SequenceSource::readAhead() {

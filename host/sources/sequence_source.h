@@ -12,6 +12,7 @@ namespace rosefusion {
 struct RunOptions {
   std::size_t stride = 1;      ///< take every stride-th frame
   std::size_t max_frames = 0;  ///< after the stride; 0: all
+  std::size_t start = 0;       ///< so many frames of the sequence are left out at its beginning
 };
 
 /// The indices that a run takes from a sequence of `size` frames.
@@ -31,6 +32,7 @@ class SequenceSource : public FrameSource {
 
   const SequenceInfo& info() const override { return sequence_.info(); }
   std::size_t expectedFrames() const override { return indices_.size(); }
+  std::vector<Finding> findings(const DepthLimits& limits) override;
   /// With Pace::Recorded the clock starts at the first call.
   SourceState next(SourceFrame& out, const StopQuestion& stop) override;
 

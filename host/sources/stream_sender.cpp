@@ -67,6 +67,7 @@ struct StreamSender::Impl {
     header.frames = info.frames;
     const Keys keys = readKeys(options);
     requirePort(endpoint);
+    requireKnownHost(endpoint);
     try {
       setUp(socket);
       socket.set(zmq::sockopt::immediate, true);  // nothing is queued for a connection that is not there

@@ -1,5 +1,12 @@
 #include "host/sources/zmq_link.h"
 
+#include <spdlog/spdlog.h>
+#ifdef _WIN32
+#include <ws2tcpip.h>
+#else
+#include <netdb.h>
+#endif
+
 #include <array>
 #include <fstream>
 #include <random>
@@ -87,6 +94,23 @@ void requirePort(const std::string& endpoint) {
   const bool digits = !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == port.npos;
   if (port != "*" && !(digits && std::stoi(port) >= 1 && std::stoi(port) <= 65535))
     throw InputError(endpoint + ": its port must be 1 to 65535, such as tcp://localhost:5555.");
+}
+
+void requireKnownHost(const std::string& endpoint) {
+  constexpr std::string_view kScheme = "tcp://";
+  std::string host = endpoint.substr(kScheme.size(), endpoint.rfind(':') - kScheme.size());
+  if (const auto source = host.find(';'); source != host.npos)
+    host.erase(0, source + 1);  // ZeroMQ's SOURCE;HOST
+  if (host.size() > 1 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+  addrinfo* found = nullptr;
+  const int problem = getaddrinfo(host.c_str(), nullptr, nullptr, &found);
+  if (problem == 0) return freeaddrinfo(found);
+  const std::string sentence =
+      endpoint + ": the host name '" + host + "' cannot be resolved (" + gai_strerror(problem) + "); ";
+  if (problem == EAI_AGAIN)
+    spdlog::warn("{}trying on, as the network may come; check the name.", sentence);
+  else
+    throw InputError(sentence + "check it, or give the receiver's address, such as tcp://192.168.1.20:5555.");
 }
 
 void setUp(zmq::socket_t& socket) {

@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 #include "host/core/system.h"
 #include "host/swarm/template_file.h"
 #include "host/swarm/template_sampling.h"
@@ -39,7 +40,7 @@ std::filesystem::path defaultTemplateCache(const TemplateOptions& options) {
     if (folder.empty()) return {};
     folder /= ".cache";
   }
-  std::ostringstream name;
+  TextStream name;
   name << "templates";
   for (int size : options.sizes) name << '-' << size;
   name << "_x" << options.count << "_seed" << options.seed << "_k" << options.candidates << ".pst";

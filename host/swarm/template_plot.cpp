@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/core/file_io.h"
+#include "host/core/number_text.h"
 
 namespace rosefusion {
 namespace {
@@ -53,7 +54,7 @@ class Panel {
       const int x = position(tick, -1.1).x >> kFraction, y = position(-1.1, tick).y >> kFraction;
       cv::line(image_, {x, origin_.y + kPanel}, {x, origin_.y + kPanel + 5}, kInk, 1);
       cv::line(image_, {origin_.x - 5, y}, {origin_.x, y}, kInk, 1);
-      const std::string text = tick == 0 ? "0" : cv::format("%.1f", tick);
+      const std::string text = tick == 0 ? "0" : printed("%.1f", tick);
       putTextCentred(image_, text, {x, origin_.y + kPanel + 15}, 0.36);
       putTextCentred(image_, text, {origin_.x - 20, y}, 0.36);
     }
@@ -101,10 +102,10 @@ cv::Mat plotTemplate(const SwarmTemplate& swarm_template, const std::string& tit
   cv::Mat image(kTitle + kRows * kHeight, kColumns * kWidth, CV_8UC3, kPaper);
   putText(image, title, {kLeft, 36}, 0.85, kInk, 2);
   putText(image,
-          cv::format("Unit ball of candidate moves, projected on pairs of axes. Blue: within %.2f of the "
-                     "plane; grey: the "
-                     "others; red ring: particle 0, the zero move.",
-                     kSliceHalfWidth),
+          printed("Unit ball of candidate moves, projected on pairs of axes. Blue: within %.2f of the "
+                  "plane; grey: the "
+                  "others; red ring: particle 0, the zero move.",
+                  kSliceHalfWidth),
           {kLeft, 66}, 0.5);
   int panel_index = 0;
   for (size_t vertical = 1; vertical < kAxisNames.size(); ++vertical)

@@ -4,13 +4,14 @@
 #include <sstream>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 
 namespace rosefusion {
 namespace {
 
 void requireWithin(double value, double low, double high, const char* setting, const char* unit) {
   if (std::isfinite(value) && value >= low && value <= high) return;
-  std::ostringstream text;
+  TextStream text;
   text << setting << ": " << value << " makes no sequence; give " << low << " to " << high << unit << ".";
   throw InputError(text.str());
 }
@@ -18,7 +19,7 @@ void requireWithin(double value, double low, double high, const char* setting, c
 void requireOrdered(const SpeedRange& range, const char* what, const char* low, const char* mean,
                     const char* high) {
   if (range.low <= range.mean && range.mean <= range.high) return;
-  std::ostringstream text;
+  TextStream text;
   text << "The " << what << " speeds must ascend, but " << low << " is " << range.low << ", " << mean
        << " is " << range.mean << " and " << high << " is " << range.high << "; change one of them.";
   throw InputError(text.str());

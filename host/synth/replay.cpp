@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 #include "host/synth/motion.h"
 #include "host/synth/view.h"
 
@@ -81,7 +82,7 @@ Trajectory replayMotion(const FreeSpace& space, const SynthOptions& options, Rng
       low = low.cwiseMin(p.world_from_camera.translation());
       high = high.cwiseMax(p.world_from_camera.translation());
     }
-    std::ostringstream text;
+    TextStream text;
     text.precision(2);
     text << options.replay_file.string() << ": the recorded motion spans " << high.x() - low.x() << " x "
          << high.y() - low.y() << " x " << high.z() - low.z()

@@ -4,12 +4,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <string>
 #include <utility>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 #include "host/export/mesh_io.h"
 
 namespace rosefusion {
@@ -94,6 +94,25 @@ void splitLongEdges(TriangleMesh& mesh, float longest) {
   }
 }
 
+constexpr float kLongestEdge = 0.3f;
+
+/// The pieces of all triangles must fit into memory: some 100 bytes each.
+void requireSplittable(const TriangleMesh& mesh, const std::string& name) {
+  constexpr double kMostPieces = 2e7;
+  double area = 0;
+  for (const auto& t : mesh.triangles)
+    area += (mesh.vertices[t[1]] - mesh.vertices[t[0]])
+                .cast<double>()
+                .cross((mesh.vertices[t[2]] - mesh.vertices[t[0]]).cast<double>())
+                .norm() /
+            2;
+  if (area / (0.5 * kLongestEdge * kLongestEdge) > kMostPieces)
+    throw InputError(
+        printed("%s: the mesh has %.3g m2 of surface, more than can be rendered; cut out the rooms to fly "
+                "through, or simplify it.",
+                name.c_str(), area));
+}
+
 /// The axis that floors and ceilings are perpendicular to: y or z, whichever has more area facing along it.
 Eigen::Vector3d guessUp(const TriangleMesh& mesh) {
   double area_y = 0, area_z = 0;
@@ -127,19 +146,17 @@ void paintVertices(Scene& scene) {
 Scene loadScene(const std::filesystem::path& file, UpAxis up) {
   Scene scene;
   scene.mesh = readMesh(file);
+  scene.origin = std::exchange(scene.mesh.origin, Eigen::Vector3d::Zero());
   Eigen::Vector3f low = scene.mesh.vertices[0], high = low;
   for (const Eigen::Vector3f& v : scene.mesh.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
   const Eigen::Vector3f size = high - low;
   if (size.minCoeff() < 1 || size.maxCoeff() > 200) {
-    const auto metres = [](float v) {
-      char text[32];
-      std::snprintf(text, sizeof text, "%.3g", static_cast<double>(v));
-      return std::string(text);
-    };
+    const auto metres = [](float v) { return printed("%.3g", static_cast<double>(v)); };
     throw InputError(file.string() + ": the mesh measures " + metres(size.x()) + " x " + metres(size.y()) +
                      " x " + metres(size.z()) + " m, which is no room or building; scale it to metres.");
   }
-  splitLongEdges(scene.mesh, 0.3f);
+  requireSplittable(scene.mesh, file.string());
+  splitLongEdges(scene.mesh, kLongestEdge);
   scene.up = up == UpAxis::kY   ? Eigen::Vector3d(Eigen::Vector3d::UnitY())
              : up == UpAxis::kZ ? Eigen::Vector3d(Eigen::Vector3d::UnitZ())
                                 : guessUp(scene.mesh);

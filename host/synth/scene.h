@@ -23,6 +23,8 @@ struct Scene {
   std::vector<std::uint16_t>
       face_material;  ///< one per triangle; empty: the surface has mesh.colours instead
   std::vector<Material> materials;
+  Eigen::Vector3d origin =
+      Eigen::Vector3d::Zero();  ///< of a user's mesh: where the world's zero lies in its file
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< unit, along an axis
 };
 
@@ -40,7 +42,8 @@ void paintVertices(Scene& scene);
 Scene makeRoom(std::uint64_t seed);
 
 /// A user's mesh. Long edges are split so that no triangle is larger than about 0.3 m. Throws InputError like
-/// readMesh, and for a mesh that is not room-sized (its smallest side under 1 m or its largest over 200 m).
+/// readMesh, and for a mesh that is not room-sized (its smallest side under 1 m or its largest over 200 m) or
+/// has too much surface to be split so finely.
 Scene loadScene(const std::filesystem::path& file, UpAxis up);
 
 }  // namespace rosefusion

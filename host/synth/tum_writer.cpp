@@ -11,6 +11,7 @@
 
 #include "host/core/error.h"
 #include "host/core/file_io.h"
+#include "host/core/number_text.h"
 #include "host/export/mesh_io.h"
 #include "host/synth/noise.h"
 #include "host/synth/parallel.h"
@@ -21,9 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string stampText(double timestamp) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6f", timestamp);
-  return text;
+  return printed("%.6f", timestamp);
 }
 
 void writePng(const fs::path& file, const cv::Mat& image) {
@@ -91,6 +90,8 @@ std::string synthReport(const SynthPlan& plan) {
   nlohmann::ordered_json json;
   json["seed"] = o.seed;
   json["scene"] = o.mesh_file.empty() ? "procedural room" : o.mesh_file.string();
+  if (const Eigen::Vector3d& origin = plan.scene().origin; !origin.isZero())
+    json["origin_m"] = {origin.x(), origin.y(), origin.z()};
   json["motion"] = nameOf(o.motion);
   if (o.motion == Motion::kReplay) {
     json["replay"] = o.replay_file.string();
@@ -151,9 +152,7 @@ void writeTumSequence(const fs::path& out, const SynthPlan& plan, bool force,
     if (options.colour) writeIndex(part, "rgb", plan.truth());
     writeTumTrajectory(part / "groundtruth.txt", plan.truth());
     const Intrinsics& k = options.intrinsics;
-    char calibration[128];
-    std::snprintf(calibration, sizeof calibration, "%.9g %.9g %.9g %.9g\n", k.fx, k.fy, k.cx, k.cy);
-    writeFileAtomically(part / "calibration.txt", calibration);
+    writeFileAtomically(part / "calibration.txt", printed("%.9g %.9g %.9g %.9g\n", k.fx, k.fy, k.cx, k.cy));
     writePly(part / "mesh.ply", plan.scene().mesh);
     writePly(part / "mesh_seen.ply", seenPart(plan.scene().mesh, seen));
     writeFileAtomically(part / "synth.json", synthReport(plan));

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdio>
+#include <opencv2/imgcodecs.hpp>
 
 #include "host/core/error.h"
 #include "tests/host/core/temporary_folder.h"
@@ -32,8 +33,8 @@ Outcome program(const std::string& arguments, const std::string& environment = "
 }
 
 TEST(CommandLine, EverySubcommandHasHelpWithAnExample) {
-  for (const char* name :
-       {"run", "check", "eval", "eval-mesh", "synth", "pst", "devices", "bench", "experiment", "send"}) {
+  for (const char* name : {"run", "check", "eval", "eval-mesh", "synth", "pst", "devices", "doctor", "bench",
+                           "experiment", "send"}) {
     const Outcome help = program(std::string(name) + " --help");
     EXPECT_EQ(help.code, 0) << name;
     EXPECT_THAT(help.text, HasSubstr("xample")) << name;
@@ -178,6 +179,82 @@ TEST(CommandLine, InterruptFinishesTheFiles) {
   for (const char* file :
        {"trajectory.txt", "mesh.ply", "preview.png", "frames.csv", "settings.yaml", "report.json"})
     EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(out) / file)) << file << "\n" << outcome.text;
+}
+
+TEST(CommandLine, AClosedTerminalFinishesTheFilesToo) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(program("synth " + (folder / "s").string() + " --frames 90 --width 160 --height 120").code, 0);
+  // The signal is sent once the first tenth of the frames is done.
+  const std::string log = (folder / "log").string();
+  const Outcome outcome = program("run " + (folder / "s").string() + " --out " + (folder / "o").string() +
+                                  " >" + log + " 2>&1 & p=$!; for i in $(seq 600); do grep -q /90 " + log +
+                                  " && break; sleep 0.1; done; kill -HUP $p; wait $p; exit $?; :");
+  EXPECT_TRUE(outcome.code == kExitInterrupted || outcome.code == 0) << outcome.text;
+  EXPECT_TRUE(std::filesystem::exists(folder / "o" / "report.json")) << outcome.text;
+}
+
+TEST(CommandLine, OutputThatCannotBeWrittenFails) {
+  const TemporaryFolder folder;
+  const std::string sequence = (folder / "s").string();
+  ASSERT_EQ(program("synth " + sequence + " --frames 3 --width 64 --height 48").code, 0);
+  for (const char* command : {"check ", "eval "}) {
+    const std::string more = std::string(command) == "eval " ? " " + sequence + " --json -" : " --json -";
+    const std::string file = std::string(command) == "eval " ? sequence + "/groundtruth.txt" : sequence;
+    const Outcome full = program(command + file + more + " >/dev/full )", "(");
+    EXPECT_EQ(full.code, kExitBadInput) << command << full.text;
+    EXPECT_THAT(full.text, HasSubstr("Standard output cannot be written")) << command;
+  }
+  // A file may be as large as 8 blocks: the small ones fit, the mesh and the pictures do not.
+  const std::string out = (folder / "o").string();
+  const Outcome limited = program("run " + sequence + " --out " + out, "ulimit -f 8;");
+  EXPECT_EQ(limited.code, kExitBadInput) << limited.text;
+  EXPECT_THAT(limited.text, HasSubstr("cannot be written"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "o" / "report.json"));
+  for (const auto& entry : std::filesystem::directory_iterator(out))
+    EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+  const Outcome synth =
+      program("synth " + (folder / "t").string() + " --frames 3 --width 160 --height 120", "ulimit -f 8;");
+  EXPECT_EQ(synth.code, kExitBadInput) << synth.text;
+  EXPECT_FALSE(std::filesystem::exists(folder / "t"));
+}
+
+TEST(CommandLine, MostFramesLostHasACodeAndACause) {
+  const TemporaryFolder folder;
+  const std::string sequence = (folder / "s").string(), out = (folder / "o").string();
+  ASSERT_EQ(program("synth " + sequence + " --frames 8 --width 160 --height 120 --no-colour").code, 0);
+  // Every frame after the first two looks at nothing.
+  const auto depth = std::filesystem::path(sequence) / "depth";
+  std::vector<std::filesystem::path> images(std::filesystem::directory_iterator(depth), {});
+  std::sort(images.begin(), images.end());
+  const cv::Mat empty(120, 160, CV_16UC1, cv::Scalar(0));
+  for (std::size_t i = 2; i < images.size(); ++i) cv::imwrite(images[i].string(), empty);
+  const Outcome lost = program("run " + sequence + " --out " + out);
+  EXPECT_EQ(lost.code, kExitLost) << lost.text;
+  EXPECT_THAT(lost.text, HasSubstr("6 of 8 frames were lost. The likely cause"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "o" / "report.json"));
+  const Outcome beyond = program("run " + sequence + " --out " + out + " --start 8");
+  EXPECT_EQ(beyond.code, kExitBadInput);
+  EXPECT_THAT(beyond.text, HasSubstr("--start 8 leaves nothing"));
+}
+
+TEST(CommandLine, AnUnknownHostIsNamed) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(program("synth " + (folder / "s").string() + " --frames 2 --width 64 --height 48").code, 0);
+  const Outcome outcome = program("send " + (folder / "s").string() + " tcp://no-such-host.invalid:5598",
+                                  "timeout --foreground -s INT 15 env");
+  if (outcome.text.find("without network streams") != std::string::npos) GTEST_SKIP() << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("'no-such-host.invalid' cannot be resolved"));
+}
+
+TEST(CommandLine, ImagesTooSmallForTheSearchAreRefusedInWords) {
+  const TemporaryFolder folder;
+  const std::string sequence = (folder / "s").string();
+  ASSERT_EQ(
+      program("synth " + sequence + " --frames 2 --width 32 --height 24 --fx 16 --fy 16 --max-speed 1").code,
+      0);
+  const Outcome outcome = program("run " + sequence + " --out " + (folder / "o").string());
+  EXPECT_EQ(outcome.code, kExitBadInput) << outcome.text;
+  EXPECT_THAT(outcome.text, ::testing::AllOf(HasSubstr("32x24"), HasSubstr("swarm.levels")));
 }
 
 }  // namespace test_command_line

@@ -44,8 +44,8 @@ class RosSequence : public Sequence {
     if (!camera && !options.intrinsics)
       throw InputError(file.string() + ": no camera_info belongs to " + nameOf(depth_topic) +
                        "; give --intrinsics FX,FY,CX,CY.");
-    chooseCamera(camera.value_or(CameraSource{}), unitsOf(first), options, first.depth.cols, first.depth.rows,
-                 info_);
+    chooseCamera(camera.value_or(CameraSource{}), unitsOf(first), false, options, first.depth.cols,
+                 first.depth.rows, info_);
     if (!options.intrinsics && camera->distortion)
       undistortion_.emplace(*camera->distortion, info_.intrinsics);
   }

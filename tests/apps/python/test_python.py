@@ -1,6 +1,9 @@
 """The Python module: the README of host/public's quickstart as it stands there, then what it leaves out. test_python.py README"""
+import locale
 import os
 import re
+import shutil
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -31,6 +34,28 @@ class Quickstart(unittest.TestCase):
         truth = camera.STEP * (camera.FRAMES - 1)
         np.testing.assert_allclose(position, [truth, 0, 0], atol=0.01)
         self.assertGreater(len(names["mesh"].triangles), 5000)
+
+
+class ForeignLocale(unittest.TestCase):
+    """Decimal commas and Turkish letters, as the locale of a desktop program."""
+
+    def test_pipelines_work_in_every_locale(self):
+        for name in ("de_DE", "tr_TR"):
+            with self.subTest(name), tempfile.TemporaryDirectory() as folder:
+                full = name + ".UTF-8"
+                made = subprocess.run(["localedef", "-i", name, "-f", "UTF-8", os.path.join(folder, full)],
+                                      capture_output=True, check=False) if shutil.which("localedef") else None
+                if made is None or made.returncode != 0:
+                    self.skipTest("localedef cannot make %s; install locales (Debian) to run this." % name)
+                with mock.patch.dict(os.environ, LOCPATH=folder):
+                    locale.setlocale(locale.LC_ALL, full)
+                    try:
+                        self.assertEqual(locale.localeconv()["decimal_point"], ",")
+                        r = reconstructor()
+                        for seconds, depth in list(camera.frames())[:2]:
+                            self.assertNotEqual(r.process(depth, seconds).status, rosefusion.Status.LOST)
+                    finally:
+                        locale.setlocale(locale.LC_ALL, "C")
 
 
 class Module(unittest.TestCase):

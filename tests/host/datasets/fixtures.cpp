@@ -65,7 +65,7 @@ cv::Mat colourImage(int red, int width, int height) {
   return {height, width, CV_8UC3, cv::Scalar(10, 20, red)};
 }
 
-void makeTum(const TemporaryFolder& folder) {
+void makeTum(const TemporaryFolder& folder, int width, int height) {
   folder.write("depth.txt",
                "# depth maps\n# file: 'recording.bag'\n# timestamp filename\n"
                "1305031229.528784 depth/1305031229.528784.png\n"
@@ -84,9 +84,9 @@ void makeTum(const TemporaryFolder& folder) {
                "1305031229.6200 1.3000 0.6698 1.6180 0.0000 0.0000 0.7071 0.7071\n");
   int n = 0;
   for (const char* stamp : {"1305031229.528784", "1305031229.562084", "1305031229.595384"})
-    folder.writeImage("depth/" + std::string(stamp) + ".png", depthImage(5000 + 100 * n++));
+    folder.writeImage("depth/" + std::string(stamp) + ".png", depthImage(5000 + 100 * n++, width, height));
   for (const char* stamp : {"1305031229.538784", "1305031229.572084", "1305031229.605384"})
-    folder.writeImage("rgb/" + std::string(stamp) + ".png", colourImage(100 + n++));
+    folder.writeImage("rgb/" + std::string(stamp) + ".png", colourImage(100 + n++, width, height));
 }
 
 std::string openingError(const fs::path& path) {

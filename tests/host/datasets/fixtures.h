@@ -41,7 +41,7 @@ cv::Mat depthImage(int base, int width = kWidth, int height = kHeight);
 cv::Mat colourImage(int red, int width = kWidth, int height = kHeight);
 
 /// Three frames, colour beside them 10 ms later, four truth poses 0.1 m apart along x; no calibration.txt.
-void makeTum(const TemporaryFolder& folder);
+void makeTum(const TemporaryFolder& folder, int width = kWidth, int height = kHeight);
 
 /// The text of InputError that opening `path` ends in; fails the test when it opens.
 std::string openingError(const std::filesystem::path& path);

@@ -29,7 +29,7 @@ Outcome check(const TemporaryFolder& scratch, const std::filesystem::path& seque
 
 TEST(Check, AUsableSequenceExitsWithZero) {
   const TemporaryFolder folder("fr1_desk");
-  makeTum(folder);
+  makeTum(folder, 64, 48);
   const TemporaryFolder scratch("scratch");
   const Outcome run = check(scratch, folder.path());
   EXPECT_EQ(run.exit_code, kExitOk) << run.errors;
@@ -38,7 +38,7 @@ TEST(Check, AUsableSequenceExitsWithZero) {
 
 TEST(Check, JsonOnStandardOutputStaysParsable) {
   const TemporaryFolder folder;
-  makeTum(folder);
+  makeTum(folder, 64, 48);
   const TemporaryFolder scratch("scratch");
   const Outcome run = check(scratch, folder.path(), "--max-frames 2 --json -");
   ASSERT_EQ(run.exit_code, kExitOk) << run.errors;
@@ -52,7 +52,7 @@ TEST(Check, JsonOnStandardOutputStaysParsable) {
 
 TEST(Check, AWrongDepthScaleIsRefusedAndStillReported) {
   const TemporaryFolder folder;
-  makeTum(folder);
+  makeTum(folder, 64, 48);
   const TemporaryFolder scratch("scratch");
   const Outcome run =
       check(scratch, folder.path(),
@@ -68,6 +68,15 @@ TEST(Check, AMissingFolderIsOneSentence) {
   const Outcome run = check(scratch, "/nowhere/at/all");
   EXPECT_EQ(run.exit_code, kExitBadInput);
   EXPECT_EQ(run.errors, "error: /nowhere/at/all: no such file or folder; check the path.\n");
+}
+
+TEST(Check, RefusesImagesThatARunRefuses) {
+  const TemporaryFolder folder;
+  makeTum(folder);
+  const TemporaryFolder scratch("scratch");
+  const Outcome outcome = check(scratch, folder.path());
+  EXPECT_EQ(outcome.exit_code, kExitBadInput);
+  EXPECT_THAT(outcome.output, AllOf(HasSubstr("32x24"), HasSubstr("smaller than the largest pixel stride")));
 }
 
 }  // namespace test_check

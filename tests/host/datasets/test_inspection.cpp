@@ -225,5 +225,71 @@ TEST(Findings, AssumedIntrinsicsAndReaderWarningsArePassedOn) {
   EXPECT_TRUE(r.usable());
 }
 
+TEST(Findings, BytesInTheWrongOrderAreNamed) {
+  MadeSequence sequence(5, [](std::size_t i) {
+    cv::Mat image = depthImage(1500 + static_cast<int>(i), 64, 48);
+    for (int v = 0; v < image.rows; ++v)
+      for (int u = 0; u < image.cols; ++u) {
+        std::uint16_t& value = image.at<std::uint16_t>(v, u);
+        value = static_cast<std::uint16_t>(value << 8 | value >> 8);
+      }
+    return image;
+  });
+  sequence.info().depth_units_per_metre = 5000;  // the median is no reason
+  EXPECT_THAT(inspectSequence(sequence).findings, says(true, "bytes of each value exchanged"));
+}
+
+TEST(Findings, DepthsOutsideWhatARunUsesAreNamed) {
+  MadeSequence far(5, [](std::size_t i) { return depthImage(9000 + static_cast<int>(i)); });
+  const Inspection r = inspectSequence(far);
+  EXPECT_EQ(r.farther_share, 1);
+  EXPECT_THAT(r.findings, says(true, "beyond depth.max (8 m)"));
+  EXPECT_THAT(inspectSequence(far, 0, {}, {0.1, 20}).findings, IsEmpty());
+  MadeSequence near(5, [](std::size_t i) { return depthImage(300 + static_cast<int>(i)); });
+  EXPECT_THAT(inspectSequence(near, 0, {}, {1.0, 8}).findings, says(false, "nearer than depth.min (1 m)"));
+}
+
+TEST(Findings, AnAssumedScaleThatMakesTheRoomTooSmallIsDoubted) {
+  MadeSequence sequence(5, ramp);
+  sequence.info().depth_units_per_metre = 5000;
+  EXPECT_THAT(inspectSequence(sequence).findings, IsEmpty()) << "given";
+  sequence.info().depth_units_assumed = true;
+  EXPECT_THAT(inspectSequence(sequence).findings, says(false, "depth scale is assumed"));
+}
+
+TEST(Findings, IntrinsicsOfAnotherImageSize) {
+  MadeSequence sequence(5, ramp);
+  for (const auto& [cx, cy] : {std::pair{31.5, 23.5}, std::pair{7.5, 5.5}}) {
+    sequence.info().intrinsics.cx = cx;
+    sequence.info().intrinsics.cy = cy;
+    EXPECT_THAT(inspectSequence(sequence).findings, says(false, "lies far from the middle")) << cx;
+  }
+  sequence.info().intrinsics = {kWidth, kHeight, 30, 21, 15.5, 11.5};
+  EXPECT_THAT(inspectSequence(sequence).findings, says(false, "focal lengths"));
+}
+
+TEST(Findings, AnIncompleteStartIsTold) {
+  MadeSequence sequence(10, [](std::size_t i) {
+    cv::Mat image = ramp(i);
+    if (i < 2) image.colRange(0, 2 * kWidth / 3) = 0;
+    return image;
+  });
+  const Inspection r = inspectSequence(sequence);
+  EXPECT_EQ(r.whole_from, 2u);
+  EXPECT_THAT(r.findings, Contains(AllOf(Field(&Finding::kind, FindingKind::Start),
+                                         Field(&Finding::remedy, HasSubstr("--start 2")))));
+}
+
+TEST(Findings, StampsWithoutDecimalsOrInAnotherUnit) {
+  MadeSequence sequence(10, ramp);
+  for (double& stamp : sequence.stamps) stamp = 1305031229;
+  EXPECT_THAT(inspectSequence(sequence).findings,
+              Contains(AllOf(Field(&Finding::what, HasSubstr("9 of 10 frames")),
+                             Field(&Finding::remedy, HasSubstr("decimals were lost")))));
+  for (std::size_t i = 0; i < 10; ++i) sequence.stamps[i] = 33e6 * static_cast<double>(i);
+  EXPECT_THAT(inspectSequence(sequence).findings,
+              Contains(Field(&Finding::remedy, HasSubstr("look like nanoseconds"))));
+}
+
 }  // namespace test_inspection
 }  // namespace rosefusion::test

@@ -16,6 +16,7 @@ void makeImages(const TemporaryFolder& folder) {
     folder.writeImage("d/image" + std::to_string(i) + ".png", depthImage(1000 + i));
     folder.writeImage("c/image" + std::to_string(i) + ".png", colourImage(i));
   }
+  for (const char* name : {"e/a.png", "e/b.png"}) folder.writeImage(name, colourImage(1));
 }
 
 TEST(PngFolder, ReadsFramesInNaturalOrder) {
@@ -68,7 +69,7 @@ TEST(PngFolder, EachMistakeInTheYamlNamesFileAndKey) {
       {kCamera + "fps: fast\ndepth: d/*.png\n", "'fps' has the wrong type"},
       {kCamera + "fps: 0\ndepth: d/*.png\n", "'fps' must be"},
       {kCamera + "fps: 30\ndepth: nothing/*.png\n", "no file matches 'nothing/*.png'"},
-      {kCamera + "fps: 30\ndepth: d/*.png\ncolour: c/image1*.png\n", "3 depth but 2 colour"},
+      {kCamera + "fps: 30\ndepth: d/*.png\ncolour: e/*.png\n", "3 depth but 2 colour"},
       {kCamera + "fps: 30\ndepth: d/*.png\ntrajectory: gone.txt\n", "gone.txt, which is missing"},
       {kCamera + "timestamps: names\ndepth: d/*.png\n", "image1.png"},
       {"intrinsics: {fx: 30}\ndepth_units_per_metre: 1000\nfps: 30\ndepth: d/*.png\n", "'fy' is missing"},

@@ -146,5 +146,47 @@ TEST_F(EvalCommand, TooFewPairsAreRefusedAndFewAreWarnedOf) {
   EXPECT_THAT(eval({estimate_, truth_}), ::testing::Not(HasSubstr("check the unit")));
 }
 
+TEST_F(EvalCommand, LargeFiguresStayApartAndHintAtTheUnit) {
+  Trajectory truth = curve(60);
+  for (StampedPose& p : truth) p.world_from_camera.translation() *= 1000;
+  writeTumTrajectory(truth_, truth);
+  const std::string text = eval({estimate_, truth_});
+  EXPECT_THAT(text, HasSubstr("millimetres"));
+  const std::string line = text.substr(
+      text.find("ATE (aligned)"), text.find('\n', text.find("ATE (aligned)")) - text.find("ATE (aligned)"));
+  std::istringstream words(line);
+  std::string ate, aligned, unit;
+  double figures[4] = {};
+  words >> ate >> aligned;
+  for (double& figure : figures) EXPECT_TRUE(words >> figure) << line;
+  words >> unit;
+  EXPECT_EQ(unit, "cm") << line;
+}
+
+TEST_F(EvalCommand, StampsThatOccurTwiceAreTold) {
+  Trajectory estimate = curve(60);
+  for (StampedPose& p : estimate) p.timestamp = 1604644894;
+  writeTumTrajectory(estimate_, estimate);
+  writeTumTrajectory(truth_, estimate);
+  EXPECT_THAT(eval({estimate_, truth_}), AllOf(HasSubstr("59 of 60"), HasSubstr("decimals were lost")));
+  estimate = curve(60);
+  const Trajectory second = curve(60);
+  estimate.insert(estimate.end(), second.begin(), second.end());
+  writeTumTrajectory(estimate_, estimate);
+  writeTumTrajectory(truth_, curve(60));
+  EXPECT_THAT(eval({estimate_, truth_}), AllOf(HasSubstr("60 of 120"), HasSubstr("two runs")));
+}
+
+TEST_F(EvalCommand, ATruthTooSparseToInterpolateIsNamed) {
+  Trajectory sparse;
+  for (std::size_t i = 0; i < 60; i += 6) sparse.push_back(curve(60)[i]);
+  for (StampedPose& p : sparse) p.timestamp += 1e-3;
+  writeTumTrajectory(truth_, sparse);
+  EXPECT_THAT(inputErrorOf([&] {
+                eval({estimate_, truth_, "--interpolate"});
+              }),
+              AllOf(HasSubstr("between two poses"), HasSubstr("0.2 s apart"), HasSubstr("--max-difference")));
+}
+
 }  // namespace test_eval_command
 }  // namespace rosefusion

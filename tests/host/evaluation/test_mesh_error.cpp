@@ -128,5 +128,19 @@ TEST(MeshError, BadMeshesAreNamed) {
   EXPECT_THAT(inputErrorOf([&] { measureMesh(flat, good, options); }), HasSubstr("no area"));
 }
 
+TEST(MeshError, OwnOriginsCancelBeforeFloatsSeeThem) {
+  const TriangleMesh near_truth = rectangle(2, 3, 0), near_mesh = rectangle(2, 3, 0.1f);
+  TriangleMesh truth = near_truth, mesh = near_mesh;
+  truth.origin = {500000, 5400000, 300};
+  mesh.origin = {500001, 5400002, 300};  // the same place, told from another origin
+  for (Eigen::Vector3f& v : mesh.vertices) v -= Eigen::Vector3f(1, 2, 0);
+  const double wanted = measureMesh(near_mesh, near_truth).accuracy_m.rmse;
+  EXPECT_NEAR(measureMesh(mesh, truth).accuracy_m.rmse, wanted, 1e-5);
+  EXPECT_NEAR(wanted, 0.1, 1e-5);
+  MeshErrorOptions options;  // a pose between the two large frames
+  options.truth_from_reconstruction.translation() = Eigen::Vector3d(0, 0, -0.1);
+  EXPECT_NEAR(measureMesh(mesh, truth, options).accuracy_m.rmse, 0, 1e-5);
+}
+
 }  // namespace test_mesh_error
 }  // namespace rosefusion

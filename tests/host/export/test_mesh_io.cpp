@@ -208,5 +208,48 @@ TEST_F(MeshIo, RefusesToWriteWhatIsNotASurface) {
   EXPECT_TRUE(fs::is_empty(folder_));
 }
 
+std::string georeferenced(const std::string& type, const Eigen::Vector3d& at) {
+  std::ostringstream text;
+  text.precision(12);
+  text << "ply\nformat ascii 1.0\nelement vertex 3\nproperty " << type << " x\nproperty " << type
+       << " y\nproperty " << type
+       << " z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const double x : {0.0, 2.125, 0.125})
+    text << at.x() + x << ' ' << at.y() + 2 * x * x << ' ' << at.z() << '\n';
+  return text.str() + "3 0 1 2\n";
+}
+
+TEST_F(MeshIo, LargeCoordinatesKeepTheirDigits) {
+  const Eigen::Vector3d utm(500000.25, 5400000.375, 300);
+  std::ofstream(folder_ / "utm.ply") << georeferenced("double", utm);
+  const TriangleMesh mesh = readMesh(folder_ / "utm.ply");
+  ASSERT_EQ(mesh.vertices.size(), 3u);
+  const auto placed = [](const TriangleMesh& m, std::size_t i) -> Eigen::Vector3d {
+    return m.vertices[i].cast<double>() + m.origin;
+  };
+  EXPECT_EQ(placed(mesh, 1).x(), 500002.375);
+  EXPECT_EQ(placed(mesh, 2).y(), 5400000.375 + 0.03125);
+  writePly(folder_ / "again.ply", mesh);
+  const TriangleMesh again = readMesh(folder_ / "again.ply");
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(placed(again, i), placed(mesh, i));
+  std::ofstream(folder_ / "local.ply") << georeferenced("double", {3, 4, 0});
+  EXPECT_TRUE(readMesh(folder_ / "local.ply").origin.isZero());
+}
+
+TEST_F(MeshIo, CoordinatesThatFloatsRoundedAreRefused) {
+  EXPECT_THAT(errorOfReading("copy.obj",
+                             "v 500000.25 5400000.375 300\nv 500002.25 5400000.375 300\n"
+                             "v 500000.25 5400002.375 300\nf 1 2 3\n"),
+              ::testing::HasSubstr("double coordinates"));
+  std::string binary =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+      "float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const float value : {500000.f, 5400000.f, 3.f, 500002.f, 5400000.f, 3.f, 500000.f, 5400002.f, 3.f})
+    binary.append(reinterpret_cast<const char*>(&value), 4);
+  binary += std::string("\3\0\0\0\0\1\0\0\0\2\0\0\0", 13);
+  EXPECT_THAT(errorOfReading("rounded.ply", binary), ::testing::HasSubstr("double coordinates"));
+}
+
 }  // namespace test_mesh_io
 }  // namespace rosefusion

@@ -4,6 +4,7 @@
 
 #include "host/core/error.h"
 #include "host/export/mesh_io.h"
+#include "host/run/likely_cause.h"
 #include "host/run/output.h"
 #include "host/run/report.h"
 #include "host/synth/tum_writer.h"
@@ -89,6 +90,8 @@ TEST_F(RunTest, StrideAndMaximumSelectFrames) {
   EXPECT_THAT(selectedFrames(10, {3, 0}), ::testing::ElementsAre(0, 3, 6, 9));
   EXPECT_THAT(selectedFrames(10, {3, 2}), ::testing::ElementsAre(0, 3));
   EXPECT_THAT(selectedFrames(2, {1, 5}), ::testing::ElementsAre(0, 1));
+  EXPECT_THAT(selectedFrames(10, {3, 2, 4}), ::testing::ElementsAre(4, 7));
+  EXPECT_THAT(selectedFrames(3, {1, 0, 3}), ::testing::IsEmpty());
 }
 
 TEST_F(RunTest, TooFewPosesHaveNoAlignedErrors) {
@@ -173,6 +176,45 @@ TEST_F(RunTest, RealFramesAreTracked) {
   const auto result = run(data / "seven_scenes", folder_ / "out", {4, 10});
   EXPECT_EQ(result.summary.count(TrackingStatus::Lost), 0u);
   EXPECT_LT(result.report.at("ate_rmse_m"), 0.04);
+}
+
+RunSummary summaryOf(const std::vector<TrackingStatus>& statuses, double valid_share = 0.9) {
+  RunSummary summary;
+  for (const TrackingStatus status : statuses) {
+    RunFrame frame;
+    frame.index = summary.frames.size();
+    frame.result.status = status;
+    frame.result.score.valid_share = valid_share;
+    summary.frames.push_back(frame);
+  }
+  return summary;
+}
+
+TEST(LikelyCause, IsAskedForWhereMostFramesAreLost) {
+  using enum TrackingStatus;
+  EXPECT_FALSE(lostMost(summaryOf({Tracked, Lost})));
+  EXPECT_TRUE(lostMost(summaryOf({Tracked, Lost, Lost})));
+  RunSummary with_skipped = summaryOf({Tracked, Lost, Lost, Tracked});
+  EXPECT_FALSE(lostMost(with_skipped));
+  with_skipped.frames[3].skipped = true;
+  EXPECT_TRUE(lostMost(with_skipped)) << "an unreadable file is no pose";
+  EXPECT_FALSE(lostMost(summaryOf({})));
+}
+
+TEST(LikelyCause, ComesFromTheRecordingElseFromTheFrames) {
+  using enum TrackingStatus;
+  const RunSummary early = summaryOf({Tracked, Lost, Lost, Lost});
+  const Finding time{false, "a gap", "look", FindingKind::Time},
+      scale{false, "the depth scale is off", "set it", FindingKind::DepthScale};
+  EXPECT_THAT(likelyCause(early, {time, scale}),
+              HasSubstr("3 of 4 frames were lost. The likely cause: the depth scale"));
+  EXPECT_THAT(likelyCause(early, {}), HasSubstr("from the beginning"));
+  EXPECT_THAT(likelyCause(summaryOf({Tracked, Tracked, Tracked, Tracked, Lost, Lost, Lost, Lost, Lost}), {}),
+              HasSubstr("from frame 4 on"));
+  EXPECT_THAT(likelyCause(summaryOf({Tracked, Lost, Lost}, 0.1), {}), HasSubstr("holes"));
+  RunSummary start = early;
+  start.frames[0].result.score.valid_share = 0.4;
+  EXPECT_THAT(likelyCause(start, {}), HasSubstr("--start"));
 }
 
 }  // namespace test_run
