@@ -19,6 +19,7 @@ struct DepthSettings {
   double noise_floor = 0.005;
   double noise_growth = 0;
   double bias_growth = 0;
+  bool footprint = false;
 };
 
 struct VolumeSettings {

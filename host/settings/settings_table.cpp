@@ -71,6 +71,11 @@ std::vector<SettingsField> makeTable() {
           "growth with depth^2 of what the depths of a surface are off together, as by calibration, which "
           "no average takes out; 0: none",
           [](Settings & s) -> auto& { return s.depth.bias_growth; }),
+      row(
+          "depth.footprint", "", 0, 1,
+          "where depths lie on a plane, a pixel's is that of all that a voxel there covers, which fills the "
+          "sensor's holes; off, as in the paper: each pixel stands for itself",
+          [](Settings & s) -> auto& { return s.depth.footprint; }),
 
       row(
           "volume.voxel_size", "m", 0.001, 0.5, "edge of a voxel",

@@ -36,7 +36,8 @@ Moments ofCells(ivec2 first) {
 }
 
 void main() {
-  int cell = int(gl_GlobalInvocationID.x);
+  uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+  int cell = int(group * kFootprintGroup + gl_LocalInvocationID.x);
   if (cell >= params.cells.x * params.cells.y) return;
   ivec2 at = ivec2(cell % params.cells.x, cell / params.cells.x);
   Moments m = params.cells.z == 0 ? ofPixels(kFootprintSide * at) : ofCells(2 * at);

@@ -40,7 +40,8 @@ bool isFlat(Moments m, Plane plane) {
 }
 
 void main() {
-  int number = int(gl_GlobalInvocationID.x);
+  uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+  int number = int(group * kFootprintGroup + gl_LocalInvocationID.x);
   if (number >= params.size.z * params.size.w) return;
   ivec2 cell = ivec2(number % params.size.z, number / params.size.z);
   float pixels_per_inverse = params.voxel_size * params.focal_centre.x;  // a voxel's, times its inverse depth

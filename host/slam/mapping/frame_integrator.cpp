@@ -30,7 +30,7 @@ void FrameIntegrator::recordDepth(Recorder& recorder, const Depth& depth) {
   preprocess_.record(recorder, depth, static_cast<float>(1 / depth_units_per_metre_),
                      static_cast<float>(settings_.depth.min), static_cast<float>(settings_.depth.max),
                      static_cast<float>(settings_.depth.edge_sigmas), toShader(settings_.depth),
-                     static_cast<float>(settings_.volume.voxel_size));
+                     settings_.depth.footprint ? static_cast<float>(settings_.volume.voxel_size) : 0);
 }
 
 std::span<const std::uint32_t> FrameIntegrator::wordsOf(const cv::Mat& bgr) {
