@@ -1,8 +1,4 @@
 // rosefusion doctor: what a report about this program needs to say of the machine, in one text.
-#ifndef _WIN32
-#include <sys/utsname.h>
-#endif
-
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -17,6 +13,7 @@
 #include "host/core/file_io.h"
 #include "host/core/log_to_spdlog.h"
 #include "host/core/number_text.h"
+#include "host/core/system.h"
 #include "host/run/report.h"
 #include "host/sources/camera.h"
 #include "host/sources/stream.h"
@@ -65,16 +62,10 @@ std::string environment(const char* name) {
 }
 
 Section machine() {
-  std::string kernel = "not told";
-#ifndef _WIN32
-  utsname system{};
-  if (uname(&system) == 0)
-    kernel = std::string(system.sysname) + " " + system.release + ", " + system.machine;
-#endif
   Section out{"Machine", {}};
   out.lines = {{"rosefusion", ROSEFUSION_VERSION},
                {"built with", std::string(__VERSION__)},
-               {"system", firstLineWith("/etc/os-release", "PRETTY_NAME") + ", " + kernel},
+               {"system", firstLineWith("/etc/os-release", "PRETTY_NAME") + ", " + kernelName()},
                {"processor", firstLineWith("/proc/cpuinfo", "model name") + ", " +
                                  std::to_string(std::thread::hardware_concurrency()) + " threads"},
                {"memory", firstLineWith("/proc/meminfo", "MemTotal") + ", free " +

@@ -11,6 +11,9 @@ namespace rosefusion {
 /// Whether a person watches what is written to `stream`.
 bool isTerminal(std::FILE* stream);
 
+/// The kernel in words, such as "Linux 6.1.0, x86_64".
+std::string kernelName();
+
 /// Processor time of all threads of this process, seconds.
 double processorSeconds();
 

@@ -3,6 +3,7 @@
 #include <spawn.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/utsname.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,6 +16,12 @@
 extern char** environ;  // NOLINT: POSIX names it, and no header of macOS does
 
 namespace rosefusion {
+
+std::string kernelName() {
+  utsname system{};
+  if (uname(&system) != 0) return "unknown";
+  return std::string(system.sysname) + " " + system.release + ", " + system.machine;
+}
 
 bool isTerminal(std::FILE* stream) {
   return isatty(fileno(stream)) != 0;

@@ -31,6 +31,10 @@ double seconds(const FILETIME& time) {  // of 100 ns each
 
 }  // namespace
 
+std::string kernelName() {
+  return "Windows";
+}
+
 bool isTerminal(std::FILE* stream) {
   return _isatty(_fileno(stream)) != 0;
 }

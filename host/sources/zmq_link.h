@@ -26,7 +26,8 @@ std::string z85(std::span<const std::byte> key);
 
 /// Throws InputError unless the endpoint ends in a port, which ZeroMQ would cut to 16 bits without a word.
 void requirePort(const std::string& endpoint);
-/// Throws InputError where the host of tcp://HOST:PORT is not known; says so where it cannot be asked for now.
+/// Throws InputError where the host of tcp://HOST:PORT is not known; says so where it cannot be asked for
+/// now.
 void requireKnownHost(const std::string& endpoint);
 
 /// Options of both ends: limits, heartbeats, no lingering.
