@@ -1,12 +1,12 @@
 // MCAP recordings (ROS 2): records of an opcode, a length and content; messages alone or in compressed
 // chunks.
 #include <algorithm>
-#include <fstream>
 #include <map>
 
 #include "host/core/error.h"
 #include "host/datasets/ros/byte_reader.h"
 #include "host/datasets/ros/compression.h"
+#include "host/datasets/ros/file_bytes.h"
 #include "host/datasets/ros/message_file.h"
 
 namespace rosefusion::datasets {
@@ -21,24 +21,21 @@ class Mcap : public MessageFile {
   enum Op : std::uint8_t { kSchema = 3, kChannel = 4, kMessage = 5, kChunk = 6, kDataEnd = 15 };
 
  public:
-  explicit Mcap(const fs::path& file) : file_(file), in_(file, std::ios::binary) {
-    std::string magic(sizeof kMcapMagic, '\0');
-    if (!in_ || !in_.read(magic.data(), sizeof kMcapMagic) ||
-        std::memcmp(magic.data(), kMcapMagic, sizeof kMcapMagic) != 0)
+  explicit Mcap(const fs::path& file) : file_(file), bytes_(file) {
+    if (!bytes_.beginsWith(std::as_bytes(std::span(kMcapMagic))))
       throw InputError(file.string() + ": cannot be read, or is no MCAP file; copy it again.");
-    size_ = fs::file_size(file);
     std::uint64_t at = sizeof kMcapMagic;
     try {
-      while (at < size_) {
+      while (at < bytes_.size()) {
         const auto [op, begin, bytes] = headAt(at);
         if (op == kDataEnd) break;
         if (op == kChunk) {
           const std::vector<std::byte> chunk = chunkAt(begin, bytes);
           walk(chunk, at);
         } else if (op == kSchema || op == kChannel) {
-          add(op, bytesAt(begin, bytes), kNoChunk, at);
+          add(op, bytes_.at(begin, bytes), kNoChunk, at);
         } else if (op == kMessage) {
-          add(op, bytesAt(begin, std::min<std::uint64_t>(bytes, 22)), kNoChunk, at);
+          add(op, bytes_.at(begin, std::min<std::uint64_t>(bytes, 22)), kNoChunk, at);
         }
         at = begin + bytes;
       }
@@ -55,7 +52,7 @@ class Mcap : public MessageFile {
   std::span<const std::byte> read(const MessageRef& message) override {
     if (message.place == kNoChunk) {
       const auto [op, begin, bytes] = headAt(message.offset);
-      chunk_ = bytesAt(begin, bytes);
+      chunk_ = bytes_.at(begin, bytes);
       loaded_ = kNoChunk;
       ByteReader reader(chunk_);
       reader.take(22);
@@ -80,26 +77,17 @@ class Mcap : public MessageFile {
     std::uint8_t op;
     std::uint64_t begin, bytes;
   };
-  std::vector<std::byte> bytesAt(std::uint64_t at, std::uint64_t count) {
-    if (count > kMostRecordBytes || at > size_ || count > size_ - at) throw EndOfBytes();
-    std::vector<std::byte> out(count);
-    in_.clear();
-    in_.seekg(static_cast<std::streamoff>(at));
-    if (!in_.read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(count)))
-      throw EndOfBytes();
-    return out;
-  }
   Head headAt(std::uint64_t at) {
-    const std::vector<std::byte> bytes = bytesAt(at, kHeadBytes);
+    const std::vector<std::byte> bytes = bytes_.at(at, kHeadBytes);
     ByteReader reader(bytes);
     const auto op = reader.number<std::uint8_t>();
     const auto length = reader.number<std::uint64_t>();
-    if (length > size_ - at - kHeadBytes) throw EndOfBytes();
+    if (length > bytes_.size() - at - kHeadBytes) throw EndOfBytes();
     return {op, at + kHeadBytes, length};
   }
 
   std::vector<std::byte> chunkAt(std::uint64_t begin, std::uint64_t bytes) {
-    const std::vector<std::byte> record = bytesAt(begin, bytes);
+    const std::vector<std::byte> record = bytes_.at(begin, bytes);
     ByteReader reader(record);
     reader.take(16);  // first and last time
     const auto size = reader.number<std::uint64_t>();
@@ -149,8 +137,7 @@ class Mcap : public MessageFile {
   }
 
   fs::path file_;
-  std::ifstream in_;
-  std::uint64_t size_ = 0;
+  FileBytes bytes_;
   std::map<std::uint16_t, std::string> schemas_;
   std::map<std::uint16_t, std::size_t> channels_;  // to topics_
   std::vector<std::byte> chunk_;

@@ -33,7 +33,8 @@ class MessageFile {
   const std::vector<MessageRef>& messages() const { return messages_; }  ///< by time
   /// Of messages: CDR (ROS 2) instead of ROS 1's packed bytes.
   virtual bool isCdr() const = 0;
-  /// Valid until the next call. Throws InputError where it cannot be read.
+  /// Valid until the next call. Throws EndOfBytes for a damaged message, InputError for an unknown
+  /// compression.
   virtual std::span<const std::byte> read(const MessageRef& message) = 0;
   const std::vector<std::string>& warnings() const { return warnings_; }
 

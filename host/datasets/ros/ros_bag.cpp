@@ -1,12 +1,12 @@
 // ROS 1 bags: records of a header ('name=value' fields) and data, messages in chunks that may be compressed.
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <set>
 
 #include "host/core/error.h"
 #include "host/datasets/ros/byte_reader.h"
 #include "host/datasets/ros/compression.h"
+#include "host/datasets/ros/file_bytes.h"
 #include "host/datasets/ros/message_file.h"
 
 namespace rosefusion::datasets {
@@ -48,11 +48,9 @@ class RosBag : public MessageFile {
   enum Op : std::uint8_t { kMessage = 2, kIndex = 4, kChunk = 5, kConnection = 7 };
 
  public:
-  explicit RosBag(const fs::path& file) : file_(file), in_(file, std::ios::binary) {
-    std::string magic(kBagMagicBytes, '\0');
-    if (!in_ || !in_.read(magic.data(), static_cast<std::streamsize>(kBagMagicBytes)) || magic != kBagMagic)
+  explicit RosBag(const fs::path& file) : file_(file), bytes_(file) {
+    if (!bytes_.beginsWith(std::as_bytes(std::span(kBagMagic, kBagMagicBytes))))
       throw InputError(file.string() + ": cannot be read, or is no ROS bag of version 2.0; copy it again.");
-    size_ = fs::file_size(file);
     readRecords();
     std::stable_sort(messages_.begin(), messages_.end(),
                      [](const MessageRef& a, const MessageRef& b) { return a.timestamp < b.timestamp; });
@@ -61,25 +59,19 @@ class RosBag : public MessageFile {
   bool isCdr() const override { return false; }
 
   std::span<const std::byte> read(const MessageRef& message) override {
-    try {
-      if (message.place == kNoChunk) {
-        data_ = recordAt(message.offset).data;
-        return data_;
-      }
-      if (message.place != loaded_) {
-        loaded_ = kNoChunk;
-        const Record record = recordAt(message.place);
-        chunk_ = unpacked(record);
-        loaded_ = message.place;
-      }
-      if (message.offset > chunk_.size()) throw EndOfBytes();
-      ByteReader reader(std::span<const std::byte>(chunk_).subspan(message.offset));
-      reader.block();  // the header
-      return reader.block();
-    } catch (const EndOfBytes&) {
-      throw InputError(file_.string() + ": a message of " + topics_[message.topic].name +
-                       " is damaged; copy the file again, or repair it with 'rosbag reindex'.");
+    if (message.place == kNoChunk) {
+      data_ = recordAt(message.offset).data;
+      return data_;
     }
+    if (message.place != loaded_) {
+      loaded_ = kNoChunk;
+      chunk_ = unpacked(recordAt(message.place));
+      loaded_ = message.place;
+    }
+    if (message.offset > chunk_.size()) throw EndOfBytes();
+    ByteReader reader(std::span<const std::byte>(chunk_).subspan(message.offset));
+    reader.block();  // the header
+    return reader.block();
   }
 
  private:
@@ -89,26 +81,17 @@ class RosBag : public MessageFile {
     std::uint64_t end = 0;
   };
 
-  std::vector<std::byte> bytesAt(std::uint64_t at, std::uint64_t count) {
-    if (count > kMostRecordBytes || at > size_ || count > size_ - at) throw EndOfBytes();
-    std::vector<std::byte> out(count);
-    in_.clear();
-    in_.seekg(static_cast<std::streamoff>(at));
-    if (!in_.read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(count)))
-      throw EndOfBytes();
-    return out;
-  }
-  std::uint32_t lengthAt(std::uint64_t at) { return ByteReader(bytesAt(at, 4)).number<std::uint32_t>(); }
+  std::uint32_t lengthAt(std::uint64_t at) { return ByteReader(bytes_.at(at, 4)).number<std::uint32_t>(); }
 
   /// Without its data where `with_data` is not set.
   Record recordAt(std::uint64_t at, bool with_data = true) {
     Record out;
     const std::uint32_t header_bytes = lengthAt(at);
-    out.header = fieldsOf(bytesAt(at + 4, header_bytes));
+    out.header = fieldsOf(bytes_.at(at + 4, header_bytes));
     const std::uint64_t data_at = at + 8 + header_bytes;
     const std::uint32_t data_bytes = lengthAt(data_at - 4);
-    if (data_bytes > size_ - data_at) throw EndOfBytes();
-    if (with_data) out.data = bytesAt(data_at, data_bytes);
+    if (data_bytes > bytes_.size() - data_at) throw EndOfBytes();
+    if (with_data) out.data = bytes_.at(data_at, data_bytes);
     out.end = data_at + data_bytes;
     return out;
   }
@@ -117,7 +100,7 @@ class RosBag : public MessageFile {
     std::uint64_t at = kBagMagicBytes, chunk = kNoChunk;
     bool indexed = true;  // the chunk's messages
     try {
-      while (at < size_) {
+      while (at < bytes_.size()) {
         const Record head = recordAt(at, false);
         const auto op = numberOf<std::uint8_t>(head.header, "op");
         if (op != kIndex && !indexed) scanChunk(chunk, true);
@@ -215,8 +198,7 @@ class RosBag : public MessageFile {
   }
 
   fs::path file_;
-  std::ifstream in_;
-  std::uint64_t size_ = 0;
+  FileBytes bytes_;
   std::map<std::uint32_t, std::size_t> connections_;  // to topics_
   std::vector<std::byte> data_, chunk_;
   std::uint64_t loaded_ = kNoChunk;  // the chunk in chunk_

@@ -14,7 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kTogether = 0.05;  // seconds between a depth image and its colour image
+constexpr std::size_t kAttempts = 10;  // messages looked at to see what a topic holds
+constexpr double kTogether = 0.05;     // seconds between a depth image and its colour image
 
 bool saysDepth(std::string name) {
   std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -39,8 +40,8 @@ class RosSequence : public Sequence {
     frames_ = of_topic_[depth_topic];
     info_.frames = frames_.size();
     const DepthMessage first = firstDepth(depth_topic);
-    chooseColour(first.depth.size());
     const auto camera = cameraOf(depth_topic);
+    chooseColour(first.depth.size(), camera);
     if (!camera && !options.intrinsics)
       throw InputError(file.string() + ": no camera_info belongs to " + nameOf(depth_topic) +
                        "; give --intrinsics FX,FY,CX,CY.");
@@ -87,6 +88,11 @@ class RosSequence : public Sequence {
       return {};
     }
   }
+  /// One damaged message does not hide a topic.
+  bool showsDepth(const std::vector<const MessageRef*>& messages) {
+    const auto some = messages.begin() + static_cast<std::ptrdiff_t>(std::min(messages.size(), kAttempts));
+    return std::any_of(messages.begin(), some, [&](const MessageRef* m) { return tryDepth(*m).has_value(); });
+  }
   DepthMessage firstDepth(std::size_t topic) {
     for (const MessageRef* m : of_topic_[topic])
       if (const auto depth = tryDepth(*m)) return *depth;
@@ -100,7 +106,7 @@ class RosSequence : public Sequence {
       if (typeOf(topic) != "sensor_msgs/Image" && typeOf(topic) != "sensor_msgs/CompressedImage") continue;
       images += (images.empty() ? "" : ", ") + nameOf(topic);
       if (!wanted.empty() && nameOf(topic) == wanted) return topic;
-      if (wanted.empty() && tryDepth(*messages.front())) found.push_back(topic);
+      if (wanted.empty() && showsDepth(messages)) found.push_back(topic);
     }
     if (!wanted.empty())
       throw InputError(info_.path.string() + ": has no images on topic " + wanted + "; there are " +
@@ -168,7 +174,13 @@ class RosSequence : public Sequence {
     return 1000;
   }
 
-  void chooseColour(const cv::Size& size) {
+  /// Depth that was registered to a colour image has that image's camera, to the last digit.
+  bool isRegistered(std::size_t colour_topic, const std::optional<CameraSource>& depth_camera) {
+    const auto camera = cameraOf(colour_topic);
+    return !camera || !depth_camera || camera->values == depth_camera->values;
+  }
+
+  void chooseColour(const cv::Size& size, const std::optional<CameraSource>& depth_camera) {
     std::string others;
     for (const auto& [topic, messages] : of_topic_) {
       cv::Mat colour;
@@ -177,10 +189,11 @@ class RosSequence : public Sequence {
       } catch (const EndOfBytes&) {
       }
       if (colour.empty()) continue;
-      if (colour.size() == size && !info_.has_colour) {
+      const bool registered = colour.size() == size && isRegistered(topic, depth_camera);
+      if (registered && !info_.has_colour) {
         colour_ = messages;
         info_.has_colour = true;
-      } else if (colour.size() != size) {
+      } else if (!registered) {
         others += (others.empty() ? "" : ", ") + nameOf(topic);
       }
     }

@@ -84,6 +84,20 @@ TEST(RosRecordings, ABagThatWasCutIsReadUpToThere) {
   EXPECT_THAT(sequence->info().warnings, ::testing::Contains(HasSubstr("read up to there")));
 }
 
+TEST(RosRecordings, ADamagedFirstImageCostsItselfAlone) {
+  const TemporaryFolder folder;
+  std::string bytes = bytesOf(kFixtures / "small.bag");
+  bytes.replace(bytes.find("16UC1"), 2, "xx");
+  folder.write("first.bag", bytes);
+  const auto sequence = openSequence(folder.path() / "first.bag");
+  ASSERT_EQ(sequence->size(), 3u);
+  Frame frame;
+  std::string problem;
+  EXPECT_FALSE(sequence->read(0, frame, problem));
+  EXPECT_THAT(problem, HasSubstr("first.bag"));
+  EXPECT_TRUE(sequence->read(1, frame, problem)) << problem;
+}
+
 /// Opens it and reads all; whatever happens must be a sentence.
 void readAll(const fs::path& file, int& opened) {
   try {
@@ -137,6 +151,7 @@ TEST(RosRecordings, ARecordingOfTheRealSenseSdk) {
   const auto sequence = openSequence(file);
   const SequenceInfo& info = sequence->info();
   ASSERT_EQ(sequence->size(), 2u);
+  EXPECT_FALSE(info.has_colour) << "it is another camera's, beside the depth camera";
   EXPECT_EQ(info.intrinsics.width, 640);
   EXPECT_GT(info.intrinsics.fx, 300);
   EXPECT_NEAR(info.depth_units_per_metre, 1000, 1e-3);
