@@ -9,6 +9,7 @@
 #include "host/core/error.h"
 #include "host/slam/baselines/pose_methods.h"
 #include "host/slam/device_sums.h"
+#include "host/slam/mapping/depth_holes.h"
 
 namespace rosefusion {
 namespace {
@@ -187,11 +188,12 @@ FrameResult Pipeline::follow(const Frame& frame) {
     const StageTimer timer(result.milliseconds.preprocess);
     fuser_.recordFrame(recorder_, frame);
     recorder_.submit();
+    host_depth_ = hostDepth(frame.depth);
   }
   tracker_.addOdometry(frame.motion);
   {
     const StageTimer timer(result.milliseconds.track);
-    track(frame, result);
+    track(result);
   }
   if (result.status == TrackingStatus::Lost) {
     intruded_ = false;
@@ -206,7 +208,7 @@ FrameResult Pipeline::follow(const Frame& frame) {
   if (result.fused) {
     const StageTimer timer(result.milliseconds.integrate);
     fuser_.fuse(recorder_, volume_, result.world_from_camera);
-    free_space_.keep(frame.depth, result.world_from_camera, frames_with_pose_);
+    free_space_.keep(host_depth_, result.world_from_camera, frames_with_pose_);
     if (result.fit) inlier_statistics_.add(*result.fit);
     started_ = true;
   }
@@ -215,11 +217,15 @@ FrameResult Pipeline::follow(const Frame& frame) {
   } else {
     tracker_.accept(result.world_from_camera, result.timestamp);
     if (result.fused && becomesKeyframe(result.world_from_camera))
-      coarse_map_.add(fuser_, recorder_, frame.depth, result.world_from_camera, frames_with_pose_);
+      coarse_map_.add(fuser_, recorder_, host_depth_, result.world_from_camera, frames_with_pose_);
   }
   ++frames_with_pose_;
   if (loops_) closeLoops(frame, result);
   return result;
+}
+
+cv::Mat Pipeline::hostDepth(const cv::Mat& depth) const {
+  return settings_.depth.footprint ? withSmallHolesFilled(depth) : depth;
 }
 
 void Pipeline::closeLoops(const Frame& frame, FrameResult& result) {
@@ -254,14 +260,14 @@ bool Pipeline::isIntruded(const FrameResult& result) {
            result.fit->holds(settings_.tracking.relocalised_share, settings_.refine.least_constraint));
 }
 
-void Pipeline::verify(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result) {
+void Pipeline::verify(const TrackResult& found, bool unsure, FrameResult& result) {
   using Standing = TemporalVerification::Standing;
   const bool relocalising = tracker_.isLost() || verification_.isPending();
   const std::optional<VerifiedPose> verified =
-      verifyPose(settings_, free_space_, frame.depth, found, unsure,
+      verifyPose(settings_, free_space_, host_depth_, found, unsure,
                  inlier_statistics_.thresholds(relocalising, settings_.tracking.intruding_share));
   if (verified) result.fit = verified->fit;
-  result.intruding = free_space_.violation(frame.depth, result.fit->world_from_camera);
+  result.intruding = free_space_.violation(host_depth_, result.fit->world_from_camera);
   const Standing standing =
       verification_.next(verified, settings_.tracking.relocalised_share, unsure, tracker_.isLost());
   if (standing == Standing::Rejected) {
@@ -289,7 +295,7 @@ void Pipeline::verify(const Frame& frame, const TrackResult& found, bool unsure,
   judgeConstraint(settings_.refine, result);
 }
 
-void Pipeline::track(const Frame& frame, FrameResult& result) {
+void Pipeline::track(FrameResult& result) {
   tentative_.reset();
   result.world_from_camera = tracker_.last();
   result.score = tracker_.score(fuser_.frame(), volume_, tracker_.last());
@@ -300,19 +306,19 @@ void Pipeline::track(const Frame& frame, FrameResult& result) {
   }
   if (result.score.valid_share < settings_.tracking.min_valid_share) return judge(settings_.tracking, result);
   if (tracker_.isLost() && std::exchange(coarse_map_stale_, false)) loops_->rebuild(coarse_map_.volume());
-  const TrackResult found = tracker_.isLost() ? relocaliser_.find(fuser_.frame(), frame.depth, volume_,
+  const TrackResult found = tracker_.isLost() ? relocaliser_.find(fuser_.frame(), host_depth_, volume_,
                                                                   coarse_map_, free_space_, result.timestamp)
                                               : tracker_.track(fuser_.frame(), volume_, result.timestamp);
   result.iterations = found.iterations;
   result.lookups = found.lookups;
   result.fit = found.fit;
   const bool unsure = tracker_.isLost() || found.jump;
-  if (unsure || verification_.isPending()) return verify(frame, found, unsure, result);
+  if (unsure || verification_.isPending()) return verify(found, unsure, result);
   result.score = tracker_.score(fuser_.frame(), volume_, found.world_from_camera);
   judge(settings_.tracking, result);
   judgeConstraint(settings_.refine, result);
   if (result.status != TrackingStatus::Lost) {
-    result.intruding = free_space_.violationOfLast(frame.depth, found.world_from_camera);
+    result.intruding = free_space_.violationOfLast(host_depth_, found.world_from_camera);
     intruded_ = isIntruded(result);
   }
   if (intruded_ && result.status != TrackingStatus::Lost) {
@@ -345,7 +351,8 @@ void Pipeline::requireFixedPoses() const {
 }
 
 void Pipeline::accept(const Pose& world_from_camera, double timestamp, const cv::Mat& depth) {
-  if (!depth.empty()) free_space_.keep(depth, world_from_camera, frames_with_pose_);
+  host_depth_ = depth.empty() ? depth : hostDepth(depth);
+  if (!depth.empty()) free_space_.keep(host_depth_, world_from_camera, frames_with_pose_);
   started_ = true;
   start_.settle();
   verification_.end();
@@ -354,7 +361,7 @@ void Pipeline::accept(const Pose& world_from_camera, double timestamp, const cv:
   if (!becomesKeyframe(world_from_camera) || depth.empty()) return;
   fuser_.recordFrame(recorder_, Frame{timestamp, depth, {}, {}});
   recorder_.submit();
-  coarse_map_.add(fuser_, recorder_, depth, world_from_camera, number);
+  coarse_map_.add(fuser_, recorder_, host_depth_, world_from_camera, number);
 }
 
 }  // namespace rosefusion

@@ -87,16 +87,18 @@ class Pipeline {
 
  private:
   FrameResult follow(const Frame& frame);
-  void track(const Frame& frame, FrameResult& result);
+  void track(FrameResult& result);
   /// Replaces a model that hardly a frame has confirmed by one of the frames that do not fit it.
   void weighStart(const Frame& frame, FrameResult& result);
   void clear();
-  void verify(const Frame& frame, const TrackResult& found, bool unsure, FrameResult& result);
+  void verify(const TrackResult& found, bool unsure, FrameResult& result);
   bool isIntruded(const FrameResult& result);
   /// Where the camera is never lost, keyframes serve nobody.
   bool becomesKeyframe(const Pose& world_from_camera);
   void closeLoops(const Frame& frame, FrameResult& result);
   void requireFixedPoses() const;
+  /// What the host is to read of a frame's depth image.
+  cv::Mat hostDepth(const cv::Mat& depth) const;
 
   Device& device_;
   Settings settings_;
@@ -111,6 +113,7 @@ class Pipeline {
   CoarseMap coarse_map_;               ///< of the keyframes
   bool coarse_map_stale_ = false;      ///< a loop was closed: to be made anew before it is next looked at
   std::unique_ptr<LoopCloser> loops_;  ///< with loops.enabled
+  cv::Mat host_depth_;                 ///< of the current frame, for what the host reads of it
   std::size_t frames_with_pose_ = 0;   ///< so far, as the loop closer counts them
   bool started_ = false;
   ModelStart start_;

@@ -7,6 +7,7 @@
 #include "host/slam/loop_closure/keyframe_images.h"
 #include "host/slam/loop_closure/keyframe_views.h"
 #include "host/slam/loop_closure/local_odometry.h"
+#include "host/slam/mapping/depth_holes.h"
 #include "host/slam/mapping/frame_integrator.h"
 #include "host/slam/relocalisation/pose_search.h"
 
@@ -80,7 +81,7 @@ class KeyframeLoopCloser : public LoopCloser {
                                  bool fused, bool well_constrained) override {
     if (!graph_.add(pose, fused, well_constrained)) return {};
     images_.add(frame, graph_.travelled());
-    views_.add(frame.depth);
+    views_.add(settings_.depth.footprint ? withSmallHolesFilled(frame.depth) : frame.depth);
     trackLocally(on_device);
     if (graph_.travelled() < next_check_) return {};
     const auto old = graph_.candidate(
