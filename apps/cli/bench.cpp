@@ -16,6 +16,7 @@
 #include "host/bench/pass_bench.h"
 #include "host/bench/tracking_suite.h"
 #include "host/core/error.h"
+#include "host/settings/automatic.h"
 
 namespace rosefusion::cli {
 namespace {
@@ -42,7 +43,7 @@ Settings settingsFor(const BenchArguments& o) {
   if (o.suite == "passes") settings.volume.colour = false;  // as its yardsticks
   for (const std::string& assignment : o.assignments) applyAssignment(settings, assignment);
   requireConsistent(settings);
-  return settings;
+  return resolved(settings);
 }
 
 void benchPassesOf(BenchArguments& o) {

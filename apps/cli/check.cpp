@@ -12,7 +12,9 @@
 #include "host/core/error.h"
 #include "host/core/number_text.h"
 #include "host/datasets/inspection.h"
-#include "host/settings/settings.h"
+#include "host/sources/peeked_source.h"
+#include "host/sources/sequence_source.h"
+#include "host/survey/scene_survey.h"
 
 namespace rosefusion::cli {
 namespace {
@@ -41,7 +43,18 @@ std::string unreadable(const Inspection& r) {
   return r.unreadable.empty() ? text : text + ")";
 }
 
-std::string describe(const SequenceInfo& info, const Inspection& r) {
+/// "0.6 mm at 0.50 m, 1.4 mm at 0.98 m: like a kinect1's"
+std::string noiseOf(const std::optional<SceneMeasures>& scene, const Settings& settings) {
+  if (!scene || scene->flat.empty()) return "not measured: too few flat surfaces in the first images";
+  std::string text;
+  for (const SceneMeasures::Deviation& at : scene->flat)
+    text += printed("%s%.1f mm at %.2f m", text.empty() ? "" : ", ", 1000 * at.deviation, at.depth);
+  const SensorModel* model = sensorModel(settings.depth.sensor);
+  return text + (model ? printed(": like a %s's", model->name) : ": like no sensor's that is known");
+}
+
+std::string describe(const SequenceInfo& info, const Inspection& r, const std::optional<SceneMeasures>& scene,
+                     const Settings& settings) {
   TextStream out;
   const Intrinsics& k = info.intrinsics;
   out << info.path.string() << '\n';
@@ -63,6 +76,12 @@ std::string describe(const SequenceInfo& info, const Inspection& r) {
   if (const auto& d = r.depth)
     line(out, "depth range",
          printed("%.2f to %.2f m for 98 %% of the pixels, median %.2f m", d->p1, d->p99, d->p50));
+  if (r.images_read > 0) {
+    line(out, "depth noise", noiseOf(scene, settings));
+    line(out, "voxels",
+         printed("%g cm, truncated at %g cm", 100 * settings.volume.voxel_size,
+                 100 * settings.volume.truncation));
+  }
   if (info.truth.empty())
     line(out, "truth", "none");
   else
@@ -83,7 +102,17 @@ std::string describe(const SequenceInfo& info, const Inspection& r) {
   return out.str();
 }
 
-nlohmann::ordered_json toJson(const SequenceInfo& info, const Inspection& r) {
+/// Of the frames that a run begins with.
+std::optional<SceneMeasures> surveyOf(Sequence& sequence, const Settings& settings) {
+  PeekedSource source(
+      std::make_unique<SequenceSource>(sequence, RunOptions{.max_frames = 2 * kSurveyedFrames}));
+  const SequenceInfo& info = sequence.info();
+  return surveyScene(source.firstDepths(kSurveyedFrames, {}), info.intrinsics, info.depth_units_per_metre,
+                     settings.depth);
+}
+
+nlohmann::ordered_json toJson(const SequenceInfo& info, const Inspection& r,
+                              const std::optional<SceneMeasures>& scene, const Settings& settings) {
   const Intrinsics& k = info.intrinsics;
   nlohmann::ordered_json json{
       {"path", info.path.string()},
@@ -114,6 +143,13 @@ nlohmann::ordered_json toJson(const SequenceInfo& info, const Inspection& r) {
       {"truth", {{"poses", info.truth.size()}, {"frames_covered", r.frames_with_truth}}}};
   if (const auto& d = r.depth)
     json["depth_m"] = {{"p1", d->p1}, {"p5", d->p5}, {"p50", d->p50}, {"p95", d->p95}, {"p99", d->p99}};
+  json["voxel_size_m"] = settings.volume.voxel_size;
+  json["truncation_m"] = settings.volume.truncation;
+  json["sensor"] = fieldText(settings, "depth.sensor", "check");
+  json["flat_deviation_m"] = nlohmann::ordered_json::array();
+  if (scene)
+    for (const SceneMeasures::Deviation& at : scene->flat)
+      json["flat_deviation_m"].push_back({{"depth", at.depth}, {"deviation", at.deviation}});
   if (const auto& s = r.speeds)
     json["speed"] = {{"linear_mean_m_s", s->linear_mean},
                      {"linear_max_m_s", s->linear_max},
@@ -153,9 +189,11 @@ void check(const CheckOptions& options) {
   } catch (const InputError& error) {
     inspection.findings.push_back({true, error.what(), ""});
   }
+  const std::optional<SceneMeasures> scene = surveyOf(*sequence, settings);
   // With the JSON on standard output, people read standard error.
-  std::fputs(describe(sequence->info(), inspection).c_str(), options.json == "-" ? stderr : stdout);
-  writeJson(options.json, toJson(sequence->info(), inspection).dump(2));
+  std::fputs(describe(sequence->info(), inspection, scene, resolved(settings, scene)).c_str(),
+             options.json == "-" ? stderr : stdout);
+  writeJson(options.json, toJson(sequence->info(), inspection, scene, resolved(settings, scene)).dump(2));
   if (!inspection.usable())
     throw InputError(options.sequence + ": not usable as it is; change what is marked [error] above.");
 }

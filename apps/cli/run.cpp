@@ -16,6 +16,8 @@
 #include "host/run/likely_cause.h"
 #include "host/run/output.h"
 #include "host/run/report.h"
+#include "host/sources/peeked_source.h"
+#include "host/survey/scene_survey.h"
 
 namespace rosefusion::cli {
 namespace {
@@ -24,6 +26,7 @@ struct RunArguments {
   SourceArguments source;
   std::string out;
   std::string config = "default";
+  std::string sensor;
   std::vector<std::string> assignments;
   std::string device;
   std::string json;
@@ -32,6 +35,7 @@ struct RunArguments {
 
 Settings settingsFor(const RunArguments& o) {
   Settings settings = loadSettings(o.config);
+  if (!o.sensor.empty()) setField(settings, "depth.sensor", o.sensor, "--sensor");
   for (const std::string& assignment : o.assignments) applyAssignment(settings, assignment);
   requireConsistent(settings);
   return settings;
@@ -122,8 +126,19 @@ void printSummary(std::FILE* to, const RunSummary& summary, const SequenceInfo& 
                    "depth.max and volume.voxel_size.");
 }
 
+/// `asked` with what suits the source's first images where it is 'auto', and says what that is.
+Settings settingsFor(const Settings& asked, PeekedSource& source) {
+  if (!hasAutomatic(asked)) return asked;
+  const SequenceInfo& info = source.info();
+  const auto scene = surveyScene(source.firstDepths(kSurveyedFrames, interrupted), info.intrinsics,
+                                 info.depth_units_per_metre, asked.depth);
+  const Settings settings = resolved(asked, scene);
+  for (const std::string& choice : choicesOf(asked, settings, scene)) spdlog::info("{}", choice);
+  return settings;
+}
+
 void run(const RunArguments& o) {
-  const Settings settings = settingsFor(o);
+  const Settings asked = settingsFor(o);
   const bool live = isLiveSource(o.source.source);
   const StreamOptions& stream = o.source.stream;
   if (!isStreamEndpoint(o.source.source) &&
@@ -132,12 +147,12 @@ void run(const RunArguments& o) {
                      ": is no network stream (tcp://*:PORT); leave out --secret-key, --peer-key and "
                      "--silence-limit.");
   if (live) catchInterrupts();  // before a recording begins, Ctrl-C just ends the program
-  const auto [source, findings] =
-      openSource(o.source, settings.volume.colour, {settings.depth.min, settings.depth.max});
-  if (!source) throw ExitCode(kExitInterrupted);
-  const SequenceInfo& info = source->info();
+  auto [opened, findings] = openSource(o.source, asked.volume.colour, {asked.depth.min, asked.depth.max});
+  if (!opened) throw ExitCode(kExitInterrupted);
+  PeekedSource source(std::move(opened));
+  const SequenceInfo& info = source.info();
 
-  requireImagesFit(settings, info.intrinsics.width, info.intrinsics.height);
+  requireImagesFit(asked, info.intrinsics.width, info.intrinsics.height);
   const std::string out = outputFolder(o);
   requireOtherThanSequence(out, info);
   const OutputFolder folder(out);
@@ -145,6 +160,7 @@ void run(const RunArguments& o) {
   Device device({o.device, o.validation});
   const std::string count = info.frames ? std::to_string(info.frames) + " frames, " : "";
   spdlog::info("{}: {}{}; on {}", info.path.string(), count, info.format, device.info().name);
+  const Settings settings = settingsFor(asked, source);
   Pipeline pipeline(device, settings, info.intrinsics, info.depth_units_per_metre, logToSpdlog);
 
   if (const std::string other = folder.resultOf(); !other.empty() && !live && isAnother(other, info.path))
@@ -157,7 +173,7 @@ void run(const RunArguments& o) {
     const auto show = [&](const RunProgress& p) {
       progress.update(p.done, p.total, p.last->skipped ? "skipped" : toString(p.last->result.status));
     };
-    summary = reconstruct(*source, pipeline, o.source.selection.max_frames, show, interrupted);
+    summary = reconstruct(source, pipeline, o.source.selection.max_frames, show, interrupted);
   }
   if (pipeline.volume().blockCount() == 0) throwNothingToWrite(o.source.source, summary);
   spdlog::info("writing {}", out);
@@ -196,6 +212,10 @@ void addRunCommand(CLI::App& app) {
   command->add_option("--out", o->out,
                       "Output folder (default: out/NAME; out/NAME-run for a sequence that lies there)");
   command->add_option("--config", o->config, "Preset (default, paper) or YAML file")->capture_default_str();
+  command->add_option(
+      "--sensor", o->sensor,
+      "Whose noise the depths have: auto (measured), kinect1, kinect2, azure, d400, l515, f200, "
+      "iphone, given");
   command->add_option("--set", o->assignments, "Change one setting: key=value; may be repeated")
       ->allow_extra_args(false);
   command->add_option("--device", o->device, "Device by index, name or type (see 'rosefusion devices')");

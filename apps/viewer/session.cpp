@@ -9,6 +9,8 @@
 #include "host/core/file_io.h"
 #include "host/export/mesh_io.h"
 #include "host/slam/mapping/mesh_extraction.h"
+#include "host/sources/peeked_source.h"
+#include "host/survey/scene_survey.h"
 
 namespace rosefusion::viewer {
 namespace {
@@ -187,10 +189,17 @@ void Session::begin() {
     return stopping_ || std::any_of(commands_.begin(), commands_.end(),
                                     [](const Command& c) { return c.kind == Kind::Open; });
   };
-  source_ = openSource(source_name_, options, stop);
-  if (!source_) return;
-  const SequenceInfo& info = source_->info();
-  pipeline_ = std::make_unique<Pipeline>(device_, settings_, info.intrinsics, info.depth_units_per_metre,
+  std::unique_ptr<FrameSource> opened = openSource(source_name_, options, stop);
+  if (!opened) return;
+  auto peeked = std::make_unique<PeekedSource>(std::move(opened));
+  const SequenceInfo& info = peeked->info();
+  std::optional<SceneMeasures> scene;
+  if (hasAutomatic(settings_))
+    scene = surveyScene(peeked->firstDepths(kSurveyedFrames, stop), info.intrinsics,
+                        info.depth_units_per_metre, settings_.depth);
+  source_ = std::move(peeked);
+  pipeline_ = std::make_unique<Pipeline>(device_, resolved(settings_, scene), info.intrinsics,
+                                         info.depth_units_per_metre,
                                          [this](Severity, const std::string& sentence) { say(sentence); });
   pipeline_->observe([this](const SearchIteration& seen) { swarm_.push_back(iterationOf(seen)); });
   update([&](Snapshot& s) {

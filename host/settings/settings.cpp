@@ -49,14 +49,17 @@ const SettingsField& findField(std::string_view key, const std::string& source) 
                    nearest->key + "'?");
 }
 
+constexpr const char *kAutomatic = "auto", *kSensor = "depth.sensor";
+
 double numberOf(const std::string& text, const SettingsField& field, const std::string& source, bool whole) {
+  if (field.automatic && text == kAutomatic) return 0;
   const double value = parseNumber(text).value_or(std::numeric_limits<double>::quiet_NaN());
   const bool number = std::isfinite(value) && (!whole || value == std::floor(value));
   if (!number || value < field.min || value > field.max) {
     TextStream sentence;
     sentence << source << ": " << field.key << " = '" << text << "' must be a " << (whole ? "whole " : "")
              << "number from " << field.min << " to " << field.max
-             << (field.unit.empty() ? "" : " " + field.unit) << ".";
+             << (field.unit.empty() ? "" : " " + field.unit) << (field.automatic ? ", or auto." : ".");
     throw InputError(sentence.str());
   }
   return value;
@@ -93,6 +96,11 @@ std::vector<SwarmLevel> levelsOf(const std::string& text, const SettingsField& f
 
 }  // namespace
 
+double DepthSettings::deviationAt(double depth) const {
+  const double beyond = std::max(depth - 0.4, 0.0);
+  return noise_floor + noise_growth * beyond * beyond;
+}
+
 void setField(Settings& settings, std::string_view key, const std::string& value, const std::string& source) {
   const SettingsField& field = findField(key, source);
   std::visit(
@@ -112,14 +120,23 @@ void setField(Settings& settings, std::string_view key, const std::string& value
             c.set(static_cast<int>(word - c.words.begin()));
           }},
       field.ref(settings));
+  // Who sets the noise by hand means it.
+  if (field.key.starts_with("depth.noise_") || field.key == "depth.bias_growth" ||
+      field.key == "refine.model_noise")
+    settings.depth.sensor = Sensor::kGiven;
 }
 
 std::string fieldText(const Settings& settings, const SettingsField& field) {
   TextStream text;
   text.precision(12);
   Settings copy = settings;  // the table's references are to mutable settings
-  std::visit(Overloaded{[&](const double* v) { text << *v; }, [&](const int* v) { text << *v; },
-                        [&](const std::uint64_t* v) { text << *v; },
+  std::visit(Overloaded{[&](const double* v) {
+                          if (field.automatic && *v == 0)
+                            text << kAutomatic;
+                          else
+                            text << *v;
+                        },
+                        [&](const int* v) { text << *v; }, [&](const std::uint64_t* v) { text << *v; },
                         [&](const bool* v) { text << (*v ? "true" : "false"); },
                         [&](const std::vector<SwarmLevel>* v) {
                           for (const SwarmLevel& level : *v)
@@ -153,14 +170,20 @@ void applyYamlText(Settings& settings, const std::string& text, const std::strin
     const YAML::Node root = YAML::Load(text);
     if (root.IsNull()) return;
     if (!root.IsMap()) throw InputError(source + ": expected groups of settings such as 'volume:'.");
+    std::string sensor;  // names the noise as a whole, wherever it stands
     for (const auto& group : root) {
       const auto name = group.first.as<std::string>();
       if (!group.second.IsMap())
         throw InputError(source + ": '" + name + "' must hold settings, one a line.");
-      for (const auto& field : group.second)
-        setField(settings, name + "." + field.first.as<std::string>(), field.second.as<std::string>(),
-                 source);
+      for (const auto& field : group.second) {
+        const std::string key = name + "." + field.first.as<std::string>();
+        if (key == kSensor)
+          sensor = field.second.as<std::string>();
+        else
+          setField(settings, key, field.second.as<std::string>(), source);
+      }
     }
+    if (!sensor.empty()) setField(settings, kSensor, sensor, source);
   } catch (const YAML::Exception& error) {
     throw InputError(source + ": not readable as YAML (" + error.what() + ").");
   }
@@ -210,7 +233,7 @@ std::string toYaml(const Settings& settings) {
 
 void requireConsistent(const Settings& settings) {
   if (settings.depth.min >= settings.depth.max) throw InputError("depth.min must be smaller than depth.max.");
-  if (settings.volume.truncation < 2 * settings.volume.voxel_size)
+  if (settings.volume.truncation > 0 && settings.volume.truncation < 2 * settings.volume.voxel_size)
     throw InputError(
         "volume.truncation must be at least 2 voxels (volume.voxel_size), or no surface can be found in it.");
   requireValid(settings.swarm);

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "host/settings/sensor_models.h"
 #include "host/swarm/swarm_settings.h"
 
 namespace rosefusion {
@@ -19,9 +20,14 @@ struct DepthSettings {
   double noise_floor = 0.005;
   double noise_growth = 0;
   double bias_growth = 0;
+  Sensor sensor = Sensor::kGiven;  ///< where it names one, the three before it are that one's; resolved()
   bool footprint = false;
+
+  /// Standard deviation of a depth, metres, without what a surface's share.
+  double deviationAt(double depth) const;
 };
 
+/// 0: chosen by what the camera sees; resolved() in automatic.h.
 struct VolumeSettings {
   double voxel_size = 0.02;
   double truncation = 0.06;
@@ -130,6 +136,7 @@ struct SettingsField {
   double min = 0;  ///< allowed range of numbers, inclusive
   double max = 0;
   std::function<FieldRef(Settings&)> ref;
+  bool automatic = false;  ///< a number that may be 'auto', which is kept as 0
 };
 
 /// The table, in the order in which files show it.

@@ -14,6 +14,11 @@ SettingsField row(std::string key, std::string unit, double min, double max, std
           [get](Settings& s) { return FieldRef(&get(s)); }};
 }
 
+SettingsField orAutomatic(SettingsField field) {
+  field.automatic = true;
+  return field;
+}
+
 template <typename Enum, typename Get>
 SettingsField choice(std::string key, std::vector<std::string> words, std::string help, Get get) {
   return {std::move(key), "", std::move(help), 0, 0, [words, get](Settings& s) {
@@ -21,6 +26,12 @@ SettingsField choice(std::string key, std::vector<std::string> words, std::strin
             return FieldRef(ChoiceRef{words, [&value] { return static_cast<int>(value); },
                                       [&value](int i) { value = static_cast<Enum>(i); }});
           }};
+}
+
+std::vector<std::string> sensorWords() {
+  std::vector<std::string> words{"given", "auto"};
+  for (const SensorModel& model : sensorModels()) words.emplace_back(model.name);
+  return words;
 }
 
 std::vector<SettingsField> makeTable() {
@@ -71,18 +82,26 @@ std::vector<SettingsField> makeTable() {
           "growth with depth^2 of what the depths of a surface are off together, as by calibration, which "
           "no average takes out; 0: none",
           [](Settings & s) -> auto& { return s.depth.bias_growth; }),
+      choice<Sensor>(
+          "depth.sensor", sensorWords(),
+          "whose noise the depths have: that of a camera; auto, of the one that the first images look like; "
+          "given, as "
+          "noise_floor, noise_growth, bias_growth and refine.model_noise say",
+          [](Settings & s) -> auto& { return s.depth.sensor; }),
       row(
           "depth.footprint", "", 0, 1,
           "where depths lie on a plane, a pixel's is that of all that a voxel there covers, which fills the "
           "sensor's holes; off, as in the paper: each pixel stands for itself",
           [](Settings & s) -> auto& { return s.depth.footprint; }),
 
-      row(
-          "volume.voxel_size", "m", 0.001, 0.5, "edge of a voxel",
-          [](Settings & s) -> auto& { return s.volume.voxel_size; }),
-      row(
-          "volume.truncation", "m", 0.002, 2, "distances are truncated to +- this; at least 2 voxels",
-          [](Settings & s) -> auto& { return s.volume.truncation; }),
+      orAutomatic(row(
+          "volume.voxel_size", "m", 0.001, 0.5,
+          "edge of a voxel; auto: 0.02 for rooms, less where the first images show something small",
+          [](Settings & s) -> auto& { return s.volume.voxel_size; })),
+      orAutomatic(row(
+          "volume.truncation", "m", 0.002, 2,
+          "distances are truncated to +- this; at least 2 voxels; auto: 3 or, of small ones, 4",
+          [](Settings & s) -> auto& { return s.volume.truncation; })),
       row(
           "volume.max_weight", "frames", 1, 255,
           "cap of the running mean: higher is smoother, lower adapts faster",

@@ -7,6 +7,7 @@
 
 #include "engine/passes/sum_check.h"
 #include "host/core/error.h"
+#include "host/settings/automatic.h"
 #include "host/slam/baselines/pose_methods.h"
 #include "host/slam/device_sums.h"
 #include "host/slam/mapping/depth_holes.h"
@@ -96,24 +97,24 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
                    double depth_units_per_metre, const Log& log)
     : device_(device),
       settings_((requireConsistent(settings), requireImagesFit(settings, intrinsics.width, intrinsics.height),
-                 settings)),
+                 resolved(settings))),
       intrinsics_(intrinsics),
       depth_units_per_metre_(depth_units_per_metre),
       recorder_(device),
-      volume_(device, volumeOptions(settings.volume)),
-      fuser_(device, settings, intrinsics, depth_units_per_metre),
-      tracker_(device, settings, intrinsics, templatesFor(settings, log)),
-      relocaliser_(settings, tracker_),
-      free_space_(intrinsics, settings.depth, depth_units_per_metre),
-      coarse_map_(device, settings, intrinsics, depth_units_per_metre) {
+      volume_(device, volumeOptions(settings_.volume)),
+      fuser_(device, settings_, intrinsics, depth_units_per_metre),
+      tracker_(device, settings_, intrinsics, templatesFor(settings_, log)),
+      relocaliser_(settings_, tracker_),
+      free_space_(intrinsics, settings_.depth, depth_units_per_metre),
+      coarse_map_(device, settings_, intrinsics, depth_units_per_metre) {
   tracker_.replaceBy(
-      makePoseMethod(device, settings, intrinsics, tracker_.swarmSearch(), tracker_.refiner()));
+      makePoseMethod(device, settings_, intrinsics, tracker_.swarmSearch(), tracker_.refiner()));
   const std::filesystem::path cache = defaultTemplateCache({}).parent_path();
   sumsAreExact(
       cache.empty() ? cache : cache / "compensated_sums.txt", device.info(),
       [&] { return compensatedSumsWork(device); }, log);
   if (settings.loops.enabled)
-    loops_ = makeLoopCloser(device, settings, intrinsics, depth_units_per_metre, tracker_.templates());
+    loops_ = makeLoopCloser(device, settings_, intrinsics, depth_units_per_metre, tracker_.templates());
 }
 
 void Pipeline::changeLive(const Settings& settings) {

@@ -21,11 +21,11 @@ using namespace std::chrono_literals;
 constexpr std::size_t kLiveFrames = 2;  // of a live camera that wait to be tracked; older ones are dropped
 constexpr std::size_t kMostRefusals = 100;  // different sentences that are remembered
 constexpr auto kSaySilentAfter = 5s;
-constexpr auto kSlice = 50ms;     // between questions whether to stop
-constexpr auto kFarewell = 1000;  // milliseconds for the last answer to leave
+constexpr auto kReceiveSlice = 50ms;  // between questions whether to stop
+constexpr auto kFarewell = 1000;      // milliseconds for the last answer to leave
 constexpr const char* kZap = "inproc://zeromq.zap.01";
-constexpr int kEvents = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
-                        ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
+constexpr int kReceiverEvents = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED |
+                                ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
 
 }  // namespace
 
@@ -75,7 +75,7 @@ struct StreamReceiver::Impl {
         socket.set(zmq::sockopt::zap_domain, "rosefusion");
         zap.bind(kZap);
       }
-      monitor = std::make_unique<Monitor>(context, socket, kEvents);
+      monitor = std::make_unique<Monitor>(context, socket, kReceiverEvents);
       socket.bind(endpoint_);
       endpoint = socket.get(zmq::sockopt::last_endpoint);
       woken.bind("inproc://rosefusion.wake");
@@ -337,7 +337,8 @@ std::vector<std::string> StreamReceiver::refusals() const {
 
 bool StreamReceiver::waitForStream(const StopQuestion& stop) {
   std::unique_lock lock(impl_->mutex);
-  while (!impl_->changed.wait_for(lock, kSlice, [&] { return impl_->known || !impl_->failure.empty(); }))
+  while (
+      !impl_->changed.wait_for(lock, kReceiveSlice, [&] { return impl_->known || !impl_->failure.empty(); }))
     if (stop && stop()) return false;
   if (!impl_->failure.empty()) throw InputError(impl_->failure);
   return true;
@@ -347,7 +348,7 @@ SourceState StreamReceiver::next(SourceFrame& out, const StopQuestion& stop) {
   Impl& r = *impl_;
   std::unique_lock lock(r.mutex);
   const auto ready = [&] { return !r.frames.empty() || r.finished || !r.failure.empty(); };
-  while (!r.changed.wait_for(lock, kSlice, ready)) {
+  while (!r.changed.wait_for(lock, kReceiveSlice, ready)) {
     if (stop && stop()) return SourceState::Stopped;
     if (r.known && r.silentForTooLong()) return SourceState::End;
   }

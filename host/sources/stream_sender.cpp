@@ -17,10 +17,10 @@ using namespace std::chrono_literals;
 constexpr auto kResendAfter = 1s;  // without any answer
 constexpr auto kSayWaitingAfter = 3s;
 constexpr auto kLastAnswer = 10s;  // that the end arrived; the receiver may have left with it
-constexpr auto kSlice = 20ms;      // between questions whether to stop
-constexpr int kEvents = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED |
-                        ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
-                        ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
+constexpr auto kSendSlice = 20ms;  // between questions whether to stop
+constexpr int kSenderEvents = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED |
+                              ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                              ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
 
 }  // namespace
 
@@ -78,7 +78,7 @@ struct StreamSender::Impl {
         socket.set(zmq::sockopt::curve_publickey, keys.own);
         socket.set(zmq::sockopt::curve_secretkey, keys.secret);
       }
-      monitor = std::make_unique<Monitor>(context, socket, kEvents);
+      monitor = std::make_unique<Monitor>(context, socket, kSenderEvents);
       socket.connect(endpoint);
     } catch (const zmq::error_t& error) {
       throw InputError(endpoint + ": cannot be connected to (" + error.what() +
@@ -226,7 +226,7 @@ bool StreamSender::send(const Frame& frame, const StopQuestion& stop) {
   s.pump(0ms);
   while (!s.live && s.held.size() > kWindow) {
     if (stop && stop()) return false;
-    s.pump(kSlice);
+    s.pump(kSendSlice);
   }
   return true;
 }
@@ -239,7 +239,7 @@ bool StreamSender::finish(const StopQuestion& stop) {
   s.held.push_back({s.next_sequence++, wire::pack(end), true, false});
   while (!s.held.empty()) {
     if (stop && stop()) return false;
-    s.pump(kSlice);
+    s.pump(kSendSlice);
     if (!s.held.empty() && s.held.front().end && s.held.front().sent &&
         Clock::now() - s.last_answer > kLastAnswer) {
       spdlog::warn("{}: all frames arrived, but the receiver did not confirm the end", s.endpoint);

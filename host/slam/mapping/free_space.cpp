@@ -9,8 +9,9 @@ namespace {
 
 constexpr int kStride = 8;      // of the pixels asked about
 constexpr int kKeptStride = 4;  // of those remembered
-// How far before the surface that was seen there something must be, in metres and as a share of its depth.
-constexpr double kMargin = 0.1, kMarginShare = 0.05;
+// How far before the surface that was seen there something must be: in metres and as a share of its depth,
+// for poses and edges, and in standard deviations of the two depths' difference.
+constexpr double kMargin = 0.1, kMarginShare = 0.05, kMarginDeviations = 3;
 constexpr int kGlances = 10;  // over the image's width
 constexpr double kGlanceMargin = 2.5;
 constexpr int kFewKnown = 10;  // pixels of earlier images in view say little about a pose
@@ -22,6 +23,11 @@ constexpr double kViewShift = 0.4, kViewTurn = 0.4;
 double KnownFreeSpace::metresAt(const cv::Mat& depth, int u, int v) const {
   const double z = depth.at<std::uint16_t>(v, u) / units_;
   return z >= range_.min && z <= range_.max ? z : 0;
+}
+
+double KnownFreeSpace::margin(double z, double seen) const {
+  const double deviation = std::hypot(range_.deviationAt(z), range_.deviationAt(seen));
+  return std::max({kMargin, kMarginShare * z, kMarginDeviations * deviation});
 }
 
 KnownFreeSpace::View KnownFreeSpace::shrunk(const cv::Mat& depth, const Pose& world_from_camera) const {
@@ -50,7 +56,7 @@ void KnownFreeSpace::rebase(std::span<const Pose> frame_poses) {
   for (View& view : keyframes_) move(view);
 }
 
-bool KnownFreeSpace::seesThrough(const View& view, const Eigen::Vector3d& world, double margin) const {
+bool KnownFreeSpace::seesThrough(const View& view, const Eigen::Vector3d& world, double scale) const {
   const Eigen::Vector3d p = view.camera_from_world * world;
   if (p.z() <= 0) return false;
   const Eigen::Vector2d pixel = camera_.project(p) / kKeptStride;
@@ -61,16 +67,17 @@ bool KnownFreeSpace::seesThrough(const View& view, const Eigen::Vector3d& world,
   const int u = static_cast<int>(pixel.x()), v = static_cast<int>(pixel.y());
   const auto at = [&](int x, int y) { return view.depth.at<float>(y, x); };
   const double nearest = std::min({at(u, v), at(u + 1, v), at(u, v + 1), at(u + 1, v + 1)});
-  return nearest - p.z() > margin * std::max(kMargin, kMarginShare * p.z());
+  return nearest - p.z() > scale * margin(p.z(), nearest);
 }
 
-bool KnownFreeSpace::shows(const View& view, const Eigen::Vector3d& world, double margin) const {
+bool KnownFreeSpace::shows(const View& view, const Eigen::Vector3d& world, double scale) const {
   const Eigen::Vector3d p = view.camera_from_world * world;
   if (p.z() <= 0) return false;
   const Eigen::Vector2d pixel = camera_.project(p) / kKeptStride;
   const int u = static_cast<int>(std::lround(pixel.x())), v = static_cast<int>(std::lround(pixel.y()));
   if (u < 0 || v < 0 || u >= view.depth.cols || v >= view.depth.rows) return false;
-  return std::abs(view.depth.at<float>(v, u) - p.z()) < margin * std::max(kMargin, kMarginShare * p.z());
+  const double seen = view.depth.at<float>(v, u);
+  return seen > 0 && std::abs(seen - p.z()) < scale * margin(p.z(), seen);
 }
 
 template <typename Test>

@@ -44,11 +44,13 @@ class KnownFreeSpace {
     std::size_t frame = 0;
   };
   View shrunk(const cv::Mat& depth, const Pose& world_from_camera) const;
-  /// Whether the view shows a surface at this point.
-  bool shows(const View& view, const Eigen::Vector3d& world, double margin = 1) const;
+  /// By so much, metres, depths of one surface may differ: one at z, and one that was seen there.
+  double margin(double z, double seen) const;
+  /// Whether the view shows a surface at this point; `scale` widens the margin.
+  bool shows(const View& view, const Eigen::Vector3d& world, double scale = 1) const;
   double metresAt(const cv::Mat& depth, int u, int v) const;
   /// Whether the view shows nothing but surfaces well behind this point, a pixel of its own around.
-  bool seesThrough(const View& view, const Eigen::Vector3d& world, double margin = 1) const;
+  bool seesThrough(const View& view, const Eigen::Vector3d& world, double scale = 1) const;
   template <typename Test>
   double shareWhere(const cv::Mat& depth, const Pose& world_from_camera, int stride, const Test& test) const;
   double violation(const cv::Mat& depth, const Pose& world_from_camera, int stride, double margin) const;

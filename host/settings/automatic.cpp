@@ -1,0 +1,121 @@
+#include "host/settings/automatic.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "host/core/number_text.h"
+
+namespace rosefusion {
+namespace {
+
+constexpr double kRoomVoxel = 0.02, kRoomTruncation = 0.06;
+// What rooms have been measured with: from 1.2 m on, in a usual field of view, finer voxels cost time and
+// bring nothing (tests/bench/notes/sensors.md#voxel-size).
+constexpr double kVoxelsAcross = 60;  // of the view at its median depth, where that is smaller than a room's
+constexpr double kMostAcrossFar = 600;  // of the view at its far end: what is seen later may be there
+constexpr double kPixelsOfVoxel = 2;    // at least, or most voxels of a surface are seen by chance
+constexpr double kSteps[] = {0.0025, 0.005, 0.01, 0.02, 0.04, 0.08};
+// A fine voxel's truncation has to hold the noise and the motion of a frame, which do not shrink as the voxel
+// does.
+constexpr double kFineTruncation = 4, kTruncation = 3;  // voxels
+// More than so many times another deviation is another sensor's.
+const double kAnotherSensor = std::log2(2.5);
+
+double stepAtMost(double size) {
+  const auto above = std::upper_bound(std::begin(kSteps), std::end(kSteps), size);
+  return above == std::begin(kSteps) ? *above : *std::prev(above);
+}
+
+double stepAtLeast(double size) {
+  const auto found = std::lower_bound(std::begin(kSteps), std::end(kSteps), size);
+  return found == std::end(kSteps) ? *std::prev(found) : *found;
+}
+
+double voxelFor(const SceneMeasures& scene) {
+  const double across = scene.image_width * scene.median_depth / kVoxelsAcross;
+  const double least = std::max(scene.image_width * scene.far_depth / kMostAcrossFar,
+                                kPixelsOfVoxel * scene.pixel_width * scene.median_depth);
+  return std::max(std::min(stepAtMost(across), kRoomVoxel), stepAtLeast(least));
+}
+
+/// The model nearest to what was measured; none where nothing was, or none is near.
+const SensorModel* nearestModel(const SceneMeasures& scene) {
+  if (scene.phone) return sensorModel(Sensor::kIphone);
+  const SensorModel* nearest = nullptr;
+  double least = kAnotherSensor;
+  for (const SensorModel& model : sensorModels()) {
+    const std::optional<double> off = model.sensor == Sensor::kIphone ? std::nullopt : misfit(model, scene);
+    if (!off || *off >= least) continue;
+    least = *off;
+    nearest = &model;
+  }
+  return nearest;
+}
+
+void take(const SensorModel& model, Settings& settings) {
+  settings.depth.sensor = model.sensor;
+  settings.depth.noise_floor = model.noise_floor;
+  settings.depth.noise_growth = model.noise_growth;
+  settings.depth.bias_growth = model.bias_growth;
+  settings.refine.model_noise = 2 * model.noise_floor;
+}
+
+}  // namespace
+
+bool hasAutomatic(const Settings& settings) {
+  return settings.volume.voxel_size == 0 || settings.volume.truncation == 0 ||
+         settings.depth.sensor != Sensor::kGiven;
+}
+
+std::optional<double> misfit(const SensorModel& model, const SceneMeasures& scene) {
+  if (scene.flat.empty()) return {};
+  double sum = 0;
+  for (const SceneMeasures::Deviation& at : scene.flat)
+    sum += std::abs(std::log2(at.deviation / model.flatDeviation(at.depth)));
+  return sum / static_cast<double>(scene.flat.size());
+}
+
+Settings resolved(Settings settings, const std::optional<SceneMeasures>& scene) {
+  VolumeSettings& volume = settings.volume;
+  if (volume.voxel_size == 0 && volume.truncation > 0)
+    volume.voxel_size = std::min(scene ? voxelFor(*scene) : kRoomVoxel, volume.truncation / 2);
+  if (volume.voxel_size == 0) volume.voxel_size = scene ? voxelFor(*scene) : kRoomVoxel;
+  if (volume.truncation == 0)
+    volume.truncation =
+        volume.voxel_size == kRoomVoxel
+            ? kRoomTruncation
+            : (volume.voxel_size < kRoomVoxel ? kFineTruncation : kTruncation) * volume.voxel_size;
+  if (const SensorModel* named = sensorModel(settings.depth.sensor)) take(*named, settings);
+  if (settings.depth.sensor == Sensor::kAuto && scene)
+    if (const SensorModel* nearest = nearestModel(*scene)) take(*nearest, settings);
+  return settings;
+}
+
+std::vector<std::string> choicesOf(const Settings& asked, const Settings& taken,
+                                   const std::optional<SceneMeasures>& scene) {
+  std::vector<std::string> said;
+  if (!scene) return said;
+  if (asked.volume.voxel_size == 0)
+    said.push_back(printed(
+        "Voxels of %g cm, truncated at %g cm: half of the depths are nearer than %.2f m, nine tenths "
+        "than %.2f m (volume.voxel_size).",
+        100 * taken.volume.voxel_size, 100 * taken.volume.truncation, scene->median_depth, scene->far_depth));
+  const SensorModel* model = sensorModel(taken.depth.sensor);
+  if (asked.depth.sensor == Sensor::kAuto)
+    said.push_back(
+        model ? printed("The depth's noise is like that of a %s (depth.sensor, --sensor).", model->name)
+        : scene->flat.empty()
+            ? "Too few flat surfaces are in view to measure the depth's noise; it is taken as a Kinect's "
+              "(depth.sensor, --sensor)."
+            : "The depth's noise is like that of no sensor known; it is taken as a Kinect's (depth.sensor, "
+              "--sensor).");
+  else if (model && misfit(*model, *scene).value_or(0) > kAnotherSensor)
+    said.push_back(
+        printed("The depth's noise is unlike a %s's, which depth.sensor (--sensor) says it is; 'auto' "
+                "measures it.",
+                model->name));
+  return said;
+}
+
+}  // namespace rosefusion

@@ -1,0 +1,127 @@
+// What is measured on images of slanted planes with known noise, and what follows from it.
+#include "host/survey/scene_survey.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <random>
+
+namespace rosefusion::testing {
+namespace test_scene_survey {
+
+using ::testing::HasSubstr;
+
+constexpr double kUnits = 1e4;  // fine enough not to round the noise away
+const Intrinsics kCamera{640, 480, 500, 500, 319.5, 239.5};
+
+/// A floor seen from `height` above it, whose depths grow towards the image's top, with normal noise.
+cv::Mat floorFrom(double height, double (*deviation)(double)) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  cv::Mat depth(kCamera.height, kCamera.width, CV_16UC1);
+  for (int v = 0; v < depth.rows; ++v)
+    for (int u = 0; u < depth.cols; ++u) {
+      const double z = height / (0.3 + 0.7 * v / depth.rows);
+      depth.at<std::uint16_t>(v, u) =
+          static_cast<std::uint16_t>(kUnits * (z + deviation(z) * normal(random)));
+    }
+  return depth;
+}
+
+double kinect(double z) {
+  return 0.0004 + 0.0012 * z * z;
+}
+double stereo(double z) {
+  return 0.0005 + 0.0032 * z * z;
+}
+double nothing(double) {
+  return 0;
+}
+
+std::optional<SceneMeasures> survey(const cv::Mat& depth, const Intrinsics& camera = kCamera) {
+  return surveyScene(std::vector<cv::Mat>{depth}, camera, kUnits, DepthSettings{});
+}
+Settings automatic() {
+  Settings settings;
+  for (const char* each : {"volume.voxel_size=auto", "volume.truncation=auto", "depth.sensor=auto"})
+    applyAssignment(settings, each);
+  return settings;
+}
+
+TEST(SceneSurvey, DepthsAndNoiseAreMeasured) {
+  const auto scene = survey(floorFrom(1, stereo));
+  ASSERT_TRUE(scene);
+  EXPECT_NEAR(scene->median_depth, 1 / 0.65, 0.01);
+  EXPECT_NEAR(scene->far_depth, 1 / 0.37, 0.05);
+  ASSERT_GE(scene->flat.size(), 3u);
+  for (const SceneMeasures::Deviation& at : scene->flat)
+    EXPECT_NEAR(at.deviation / stereo(at.depth), 1, 0.15) << at.depth;
+}
+
+TEST(SceneSurvey, TheSensorIsKnownByItsNoise) {
+  EXPECT_EQ(resolved(automatic(), survey(floorFrom(1, kinect))).depth.sensor, Sensor::kKinect1);
+  EXPECT_EQ(resolved(automatic(), survey(floorFrom(1, stereo))).depth.sensor, Sensor::kD400);
+  const Settings stereo_settings = resolved(automatic(), survey(floorFrom(1, stereo)));
+  EXPECT_EQ(stereo_settings.depth.noise_growth, sensorModel(Sensor::kD400)->noise_growth);
+  EXPECT_EQ(stereo_settings.refine.model_noise, 2 * stereo_settings.depth.noise_floor);
+}
+
+TEST(SceneSurvey, NoiseOfNoSensorLeavesWhatIsSet) {
+  Settings asked = automatic();
+  const auto scene = survey(floorFrom(1, nothing));
+  const Settings taken = resolved(asked, scene);
+  EXPECT_EQ(taken.depth.noise_floor, asked.depth.noise_floor);
+  EXPECT_THAT(choicesOf(asked, taken, scene).back(), HasSubstr("no sensor known"));
+}
+
+TEST(SceneSurvey, ASensorThatTheDepthContradictsIsTold) {
+  Settings asked = automatic();
+  applyAssignment(asked, "depth.sensor=d400");
+  const auto scene = survey(floorFrom(1, nothing));
+  EXPECT_THAT(choicesOf(asked, resolved(asked, scene), scene).back(), HasSubstr("unlike a d400's"));
+}
+
+TEST(SceneSurvey, VoxelsFollowTheSizeOfTheView) {
+  const auto voxel = [](double height) {
+    return resolved(automatic(), survey(floorFrom(height, kinect))).volume;
+  };
+  EXPECT_EQ(voxel(0.25).voxel_size, 0.005);
+  EXPECT_EQ(voxel(0.25).truncation, 0.02);
+  EXPECT_EQ(voxel(1).voxel_size, 0.02);
+  EXPECT_EQ(voxel(2).voxel_size, 0.02);
+  EXPECT_EQ(voxel(2).truncation, 0.06);
+}
+
+TEST(SceneSurvey, APhonesImagesHaveItsNoiseAndNoVoxelFinerThanTwoPixels) {
+  const Intrinsics phone{256, 192, 212, 212, 127.5, 95.5};
+  cv::Mat depth(phone.height, phone.width, CV_16UC1, cv::Scalar(0.6 * kUnits));
+  const Settings taken = resolved(automatic(), survey(depth, phone));
+  EXPECT_EQ(taken.depth.sensor, Sensor::kIphone);
+  EXPECT_GE(taken.volume.voxel_size, 2 * 0.6 / phone.fx);
+}
+
+TEST(SceneSurvey, WhatIsGivenStays) {
+  Settings asked = automatic();
+  applyAssignment(asked, "volume.voxel_size=0.013");
+  applyAssignment(asked, "depth.noise_floor=0.0077");
+  const Settings taken = resolved(asked, survey(floorFrom(0.3, stereo)));
+  EXPECT_EQ(taken.volume.voxel_size, 0.013);
+  EXPECT_EQ(taken.depth.noise_floor, 0.0077) << "a noise set by hand outweighs 'auto'";
+  EXPECT_EQ(taken.depth.sensor, Sensor::kGiven);
+}
+
+TEST(SceneSurvey, NothingInViewIsNoScene) {
+  EXPECT_FALSE(survey(cv::Mat::zeros(kCamera.height, kCamera.width, CV_16UC1)));
+  EXPECT_EQ(resolved(automatic()).volume.voxel_size, 0.02);
+  EXPECT_EQ(resolved(automatic()).volume.truncation, 0.06);
+}
+
+TEST(SceneSurvey, AutoIsWrittenAndReadAgain) {
+  Settings read;
+  applyYamlText(read, toYaml(automatic()), "test");
+  EXPECT_EQ(fieldText(read, "volume.voxel_size", ""), "auto");
+  EXPECT_EQ(fieldText(read, "depth.sensor", ""), "auto");
+}
+
+}  // namespace test_scene_survey
+}  // namespace rosefusion::testing
