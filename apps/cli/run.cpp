@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "apps/chosen_settings.h"
 #include "apps/cli/commands.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/interrupt.h"
@@ -29,13 +30,6 @@ struct RunArguments {
   std::string json;
   bool validation = false;
 };
-
-Settings settingsFor(const RunArguments& o) {
-  Settings settings = loadSettings(o.config);
-  for (const std::string& assignment : o.assignments) applyAssignment(settings, assignment);
-  requireConsistent(settings);
-  return settings;
-}
 
 bool isSame(const std::filesystem::path& a, const std::filesystem::path& b) {
   std::error_code error;  // of what is not there
@@ -123,7 +117,7 @@ void printSummary(std::FILE* to, const RunSummary& summary, const SequenceInfo& 
 }
 
 void run(const RunArguments& o) {
-  const Settings settings = settingsFor(o);
+  const Settings settings = chosenSettings(o.config, o.assignments);
   const bool live = isLiveSource(o.source.source);
   const StreamOptions& stream = o.source.stream;
   if (!isStreamEndpoint(o.source.source) &&
