@@ -8,6 +8,7 @@
 #include <chrono>
 
 #include "apps/chosen_settings.h"
+#include "apps/cli/exit_code.h"
 #include "apps/guarded_main.h"
 #include "apps/viewer/panels.h"
 #include "apps/viewer/scene.h"
