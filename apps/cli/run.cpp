@@ -73,7 +73,7 @@ void printSummary(std::FILE* to, const RunSummary& summary, const SequenceInfo& 
     std::fprintf(to, "%zu more frames came while the tracker was busy, and were dropped.\n", dropped);
   for (const RunFrame& f : summary.frames)
     if (!f.skipped && f.result.status == TrackingStatus::Lost) {
-      std::fprintf(to, "First lost at frame %zu: %s.\n", f.index, f.result.reason.c_str());
+      std::fprintf(to, "First lost at frame %zu: %s.\n", f.index, f.reason().c_str());
       break;
     }
   if (summary.loops) {
@@ -108,7 +108,7 @@ void printSummary(std::FILE* to, const RunSummary& summary, const SequenceInfo& 
     spdlog::warn("Interrupted before anything was reconstructed; no files are written.");
     throw ExitCode(kExitInterrupted);
   }
-  std::string first = summary.frames.empty() ? "" : summary.frames.front().result.reason;
+  std::string first = summary.frames.empty() ? "" : summary.frames.front().reason();
   if (first.ends_with('.')) first.pop_back();
   if (!first.empty()) first = " (the first: " + first + ")";
   throw InputError(source + ": no frame could be used" + first +
