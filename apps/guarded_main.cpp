@@ -9,6 +9,7 @@
 #include <cstring>
 #include <iostream>
 
+#include "apps/cli/exit_code.h"
 #include "engine/error.h"
 #include "host/core/error.h"
 

@@ -4,7 +4,7 @@
 
 namespace rosefusion {
 
-/// Returns what `run` returns, or the exit code (host/core/error.h) of what it threw, after saying that on
+/// Returns what `run` returns, or the exit code (apps/cli/exit_code.h) of what it threw, after saying that on
 /// standard error. `name`: of the logger.
 int guardedMain(const char* name, const std::function<int()>& run);
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/chosen_settings.h"
 #include "apps/cli/commands.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/interrupt.h"
@@ -39,11 +40,10 @@ struct BenchArguments {
 };
 
 Settings settingsFor(const BenchArguments& o) {
-  Settings settings = loadSettings(o.config);
-  if (o.suite == "passes") settings.volume.colour = false;  // as its yardsticks
-  for (const std::string& assignment : o.assignments) applyAssignment(settings, assignment);
-  requireConsistent(settings);
-  return resolved(settings);
+  std::vector<std::string> assignments = o.assignments;
+  if (o.suite == "passes")
+    assignments.insert(assignments.begin(), "volume.colour=false");  // as its yardsticks
+  return resolved(chosenSettings(o.config, assignments));
 }
 
 void benchPassesOf(BenchArguments& o) {

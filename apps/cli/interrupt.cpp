@@ -4,7 +4,7 @@
 #include <csignal>
 #include <cstdlib>
 
-#include "host/core/error.h"
+#include "apps/cli/exit_code.h"
 
 namespace rosefusion::cli {
 namespace {

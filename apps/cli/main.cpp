@@ -6,7 +6,6 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/exit_code.h"
 #include "apps/guarded_main.h"
-#include "host/core/error.h"
 
 namespace {
 

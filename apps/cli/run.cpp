@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "apps/chosen_settings.h"
 #include "apps/cli/commands.h"
 #include "apps/cli/exit_code.h"
 #include "apps/cli/interrupt.h"
@@ -32,14 +33,6 @@ struct RunArguments {
   std::string json;
   bool validation = false;
 };
-
-Settings settingsFor(const RunArguments& o) {
-  Settings settings = loadSettings(o.config);
-  if (!o.sensor.empty()) setField(settings, "depth.sensor", o.sensor, "--sensor");
-  for (const std::string& assignment : o.assignments) applyAssignment(settings, assignment);
-  requireConsistent(settings);
-  return settings;
-}
 
 bool isSame(const std::filesystem::path& a, const std::filesystem::path& b) {
   std::error_code error;  // of what is not there
@@ -83,7 +76,7 @@ void printSummary(std::FILE* to, const RunSummary& summary, const SequenceInfo& 
     std::fprintf(to, "%zu more frames came while the tracker was busy, and were dropped.\n", dropped);
   for (const RunFrame& f : summary.frames)
     if (!f.skipped && f.result.status == TrackingStatus::Lost) {
-      std::fprintf(to, "First lost at frame %zu: %s.\n", f.index, f.result.reason.c_str());
+      std::fprintf(to, "First lost at frame %zu: %s.\n", f.index, f.reason().c_str());
       break;
     }
   if (summary.loops) {
@@ -118,7 +111,7 @@ void printSummary(std::FILE* to, const RunSummary& summary, const SequenceInfo& 
     spdlog::warn("Interrupted before anything was reconstructed; no files are written.");
     throw ExitCode(kExitInterrupted);
   }
-  std::string first = summary.frames.empty() ? "" : summary.frames.front().result.reason;
+  std::string first = summary.frames.empty() ? "" : summary.frames.front().reason();
   if (first.ends_with('.')) first.pop_back();
   if (!first.empty()) first = " (the first: " + first + ")";
   throw InputError(source + ": no frame could be used" + first +
@@ -138,7 +131,9 @@ Settings settingsFor(const Settings& asked, PeekedSource& source) {
 }
 
 void run(const RunArguments& o) {
-  const Settings asked = settingsFor(o);
+  std::vector<std::string> assignments = o.assignments;
+  if (!o.sensor.empty()) assignments.insert(assignments.begin(), "depth.sensor=" + o.sensor);
+  const Settings asked = chosenSettings(o.config, assignments);
   const bool live = isLiveSource(o.source.source);
   const StreamOptions& stream = o.source.stream;
   if (!isStreamEndpoint(o.source.source) &&

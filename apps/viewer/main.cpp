@@ -7,6 +7,8 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 
+#include "apps/chosen_settings.h"
+#include "apps/cli/exit_code.h"
 #include "apps/guarded_main.h"
 #include "apps/viewer/panels.h"
 #include "apps/viewer/scene.h"
@@ -47,7 +49,7 @@ class Viewer {
  public:
   Viewer(const Options& options, Gpu& gpu, Device& device)
       : options_(options),
-        session_(device, settingsOf(options), sourceOptions(options)),
+        session_(device, chosenSettings(options.config, options.assignments), sourceOptions(options)),
         canvas_(gpu),
         scene_(gpu, device) {
     state_.path = options.source;
@@ -88,12 +90,6 @@ class Viewer {
   }
 
  private:
-  static Settings settingsOf(const Options& o) {
-    Settings settings = loadSettings(o.config);
-    for (const std::string& assignment : o.assignments) applyAssignment(settings, assignment);
-    requireConsistent(settings);
-    return settings;
-  }
   static SourceOptions sourceOptions(const Options& o) {
     SourceOptions out;
     out.pace = o.realtime ? Pace::Recorded : Pace::AsTaken;

@@ -61,8 +61,8 @@ Words wordsOf(const Snapshot& s) {
       words = {kBad, "Lost", ""};
       break;
   }
-  if (!s.last->reason.empty()) {
-    words.detail = s.last->reason + ".";
+  if (const std::string reason = toString(s.last->reason); !reason.empty()) {
+    words.detail = reason + ".";
     words.detail[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(words.detail[0])));
   }
   if (s.phase == Phase::Paused) words.headline += " - paused";

@@ -280,7 +280,7 @@ void Session::end() {
 bool Session::correctPath() {
   if (!pipeline_->loops() || trajectory_.empty()) return false;
   const std::vector<Pose> poses = pipeline_->loops()->framePoses();
-  for (std::size_t i = 0; i < path_.size(); ++i) {
+  for (std::size_t i = 0; i < std::min(path_.size(), poses.size()); ++i) {
     trajectory_[i].world_from_camera = poses[i];
     path_[i].position = poses[i].translation();
   }

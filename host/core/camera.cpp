@@ -29,16 +29,4 @@ void requirePlausible(const Intrinsics& k, const std::string& source) {
         "image size, or in another order?");
 }
 
-double rotationAngle(const Pose& pose) {
-  return Eigen::AngleAxisd(pose.linear()).angle();
-}
-
-bool areNear(const Pose& a, const Pose& b, double shift, double turn) {
-  return (a.translation() - b.translation()).norm() < shift && rotationAngle(a.inverse() * b) < turn;
-}
-
-Eigen::Quaterniond canonical(const Eigen::Quaterniond& q) {
-  return q.w() < 0 ? Eigen::Quaterniond(-q.coeffs()) : q;
-}
-
 }  // namespace rosefusion

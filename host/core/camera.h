@@ -1,12 +1,10 @@
-// The pinhole camera model and poses, shared by everything on the host.
+// The pinhole camera model, shared with poses (se3.h) by everything on the host.
 #pragma once
-#include <Eigen/Geometry>
 #include <string>
 
-namespace rosefusion {
+#include "host/core/se3.h"
 
-/// Rigid transform; as a camera pose it is world_from_camera (camera: x right, y down, z forward), metres.
-using Pose = Eigen::Isometry3d;
+namespace rosefusion {
 
 /// Pinhole intrinsics in pixels; pixel centres have integer coordinates. fy is negative for ICL-NUIM.
 struct Intrinsics {
@@ -31,14 +29,5 @@ struct Intrinsics {
 /// Throws InputError, naming `source` (the file or setting they came from), for zero, non-finite or absurd
 /// values: focal lengths outside 0.1 to 10 image widths, or a principal point outside the image.
 void requirePlausible(const Intrinsics& intrinsics, const std::string& source);
-
-/// Rotation angle of a rigid transform, radians in [0, pi].
-double rotationAngle(const Pose& pose);
-
-/// Whether two poses are less than this apart, in metres and radians.
-bool areNear(const Pose& a, const Pose& b, double shift, double turn);
-
-/// Unit quaternion with w >= 0, so that the imaginary part alone describes the rotation.
-Eigen::Quaterniond canonical(const Eigen::Quaterniond& q);
 
 }  // namespace rosefusion

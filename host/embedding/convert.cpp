@@ -78,7 +78,7 @@ Result toResult(const FrameResult& result) {
                : result.status == TrackingStatus::Uncertain   ? Status::Uncertain
                : result.status == TrackingStatus::Relocalised ? Status::Relocalised
                                                               : Status::Lost;
-  out.reason = result.reason;
+  out.reason = toString(result.reason);
   out.residual = result.score.residual;
   out.overlap = result.score.overlap;
   out.milliseconds = result.milliseconds.total;

@@ -9,12 +9,6 @@
 namespace rosefusion {
 namespace {
 
-Settings settingsOf(const Options& options) {
-  Settings settings = loadSettings(options.preset);
-  for (const Setting& s : options.settings) setField(settings, s.key, s.value, "the options handed over");
-  return settings;
-}
-
 Device openDevice(const VulkanHandles* handles, const Options& options) {
   return handles ? Device(toCallerDevice(*handles)) : Device({.select = options.device});
 }
@@ -24,6 +18,14 @@ Log logOf(const Options& options) {
   return [&options](Severity severity, const std::string& sentence) {
     options.log(severity == Severity::Warning ? LogLevel::Warning : LogLevel::Info, sentence);
   };
+}
+
+Settings settingsOf(const Options& options) {
+  const Log log = logOf(options);
+  Settings settings = loadSettings(options.preset, log);
+  for (const Setting& s : options.settings)
+    setField(settings, s.key, s.value, "the options handed over", log);
+  return settings;
 }
 
 double unitsOf(const Camera& camera) {

@@ -16,7 +16,8 @@ namespace {
 /// Those compared by sequence; the classical ones stand in for the systems of the paper, which cannot be run
 /// here.
 std::vector<Variant> methods() {
-  return {pst(), ours(), {"gauss-newton", {"tracker.method=gauss-newton"}}, {"icp", {"tracker.method=icp"}}};
+  return {
+      pst(), ours(), {"gauss-newton", {"tracking.method=gauss-newton"}}, {"icp", {"tracking.method=icp"}}};
 }
 
 std::vector<TestSequence> sequencesOf(const ExperimentContext& context) {

@@ -273,7 +273,7 @@ ExperimentResult runInside(const ExperimentContext& context) {
         Table summary({"method", "iterations", "first_error_cm", "last_error_cm", "last_fitness"});
         for (const std::string& name : kMethods) {
           StudiedMethod method(context.device,
-                               changed(settings, {"tracker.method=" + name, "swarm.max_empty_sets=1000",
+                               changed(settings, {"tracking.method=" + name, "swarm.max_empty_sets=1000",
                                                   "swarm.minimum_move=0"}),
                                sequence->info().intrinsics);
           searches.push_back(watch(method, studied));

@@ -163,10 +163,10 @@ NamedValue convergence(const Variant& variant, const Curve& curve, double top) {
 
 ExperimentResult runOptimisers(const ExperimentContext& context) {
   const std::vector<Variant> variants = {pst(),
-                                         {"pfo", {"tracker.method=pfo"}},
-                                         {"pso", {"tracker.method=pso"}},
-                                         {"pfo, tau 0.02", {"tracker.method=pfo", "pfo.temperature=0.02"}},
-                                         {"gauss-newton", {"tracker.method=gauss-newton"}}};
+                                         {"pfo", {"tracking.method=pfo"}},
+                                         {"pso", {"tracking.method=pso"}},
+                                         {"pfo, tau 0.02", {"tracking.method=pfo", "pfo.temperature=0.02"}},
+                                         {"gauss-newton", {"tracking.method=gauss-newton"}}};
   const MotionSet set{"6d", "fast 6-D motion", synthOf(context, Motion::kSixDof), false};
   const std::vector<Curve> curves = curvesOf(context, set, variants);
   ResultWriter out(context, "optimisers");

@@ -158,16 +158,16 @@ Settings settingsOf(const ExperimentContext& context, const Variant& variant) {
 }
 
 Variant ours() {
-  return {"default", {"tracker.method=default"}};
+  return {"default", {"tracking.method=default"}};
 }
 Variant pst() {
-  return {"pst", {"tracker.method=pst"}};
+  return {"pst", {"tracking.method=pst"}};
 }
 
 std::vector<Variant> allMethods() {
   std::vector<Variant> all = {ours(), pst()};
   for (const char* name : {"pfo", "pso", "gauss-newton", "icp"})
-    all.push_back({name, {std::string("tracker.method=") + name}});
+    all.push_back({name, {std::string("tracking.method=") + name}});
   return all;
 }
 

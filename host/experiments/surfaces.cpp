@@ -45,7 +45,7 @@ void reconstructWith(const ExperimentContext& context, const Variant& method, co
 }
 
 const std::vector<Variant>& surfaceMethods() {
-  static const std::vector<Variant> all = {pst(), ours(), {"icp", {"tracker.method=icp"}}};
+  static const std::vector<Variant> all = {pst(), ours(), {"icp", {"tracking.method=icp"}}};
   return all;
 }
 

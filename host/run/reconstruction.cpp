@@ -51,14 +51,14 @@ void beginAnew(RunSummary& summary) {
   RunFrame* first = nullptr;
   for (RunFrame& f : summary.frames) {
     if (f.skipped) continue;
-    if (f.result.status != TrackingStatus::Lost) f.result.reason = "the model was begun anew after it";
+    if (f.result.status != TrackingStatus::Lost) f.result.reason = {Reason::ModelBegunAnew};
     f.result.status = TrackingStatus::Lost;
     f.result.fused = false;
     first = &f;
   }
   if (!first) return;
   first->result.status = TrackingStatus::Tracked;
-  first->result.reason.clear();
+  first->result.reason = {};
   first->result.world_from_camera = Pose::Identity();
   first->result.fused = true;
   summary.began_anew_with = first->index;
@@ -94,7 +94,7 @@ RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_
         frame.result = pipeline.processFrame(read.frame);
       } else {
         frame.result.timestamp = read.frame.timestamp;
-        frame.result.reason = read.problem;
+        frame.problem = read.problem;
       }
     } catch (const DeviceError& error) {
       if (error.code() != DeviceErrorCode::OutOfMemory) throw;

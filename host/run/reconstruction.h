@@ -14,7 +14,11 @@ struct RunFrame {
   std::size_t index = 0;    ///< in the sequence
   std::size_t dropped = 0;  ///< frames before it that a live source could not wait with
   bool skipped = false;
-  FrameResult result;  ///< when skipped: only the timestamp and the reason
+  std::string problem;  ///< why it was skipped
+  FrameResult result;   ///< when skipped: only the timestamp
+
+  /// Why it was skipped or has its status, in plain words; empty when tracked.
+  std::string reason() const { return skipped ? problem : toString(result.reason); }
 };
 
 struct RunProgress {

@@ -119,7 +119,7 @@ std::string framesCsv(const RunSummary& summary) {
     const Eigen::Vector3d t = r.world_from_camera.translation();
     const Eigen::Quaterniond q = canonical(Eigen::Quaterniond(r.world_from_camera.linear()));
     out << f.index << ',' << std::fixed << std::setprecision(6) << r.timestamp << ','
-        << (f.skipped ? "skipped" : toString(r.status)) << ',' << csvQuoted(r.reason) << ',' << r.iterations
+        << (f.skipped ? "skipped" : toString(r.status)) << ',' << csvQuoted(f.reason()) << ',' << r.iterations
         << ',' << r.lookups << ',' << r.score.residual << ',' << r.score.overlap << ','
         << r.score.valid_share;
     if (r.fit)

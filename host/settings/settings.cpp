@@ -38,8 +38,15 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-const SettingsField& findField(std::string_view key, const std::string& source) {
+const SettingsField& findField(std::string_view key, const std::string& source, const Log& log) {
   const auto& table = settingsTable();
+  for (const RenamedSetting& renamed : renamedSettings()) {
+    if (renamed.old_key != key) continue;
+    if (log)
+      log(Severity::Warning, source + ": '" + std::string(key) + "' is called '" + std::string(renamed.key) +
+                                 "' now; the old name is still accepted.");
+    key = renamed.key;
+  }
   const auto found = std::find_if(table.begin(), table.end(), [&](const auto& f) { return f.key == key; });
   if (found != table.end()) return *found;
   const auto nearest = std::min_element(table.begin(), table.end(), [&](const auto& a, const auto& b) {
@@ -101,8 +108,9 @@ double DepthSettings::deviationAt(double depth) const {
   return noise_floor + noise_growth * beyond * beyond;
 }
 
-void setField(Settings& settings, std::string_view key, const std::string& value, const std::string& source) {
-  const SettingsField& field = findField(key, source);
+void setField(Settings& settings, std::string_view key, const std::string& value, const std::string& source,
+              const Log& log) {
+  const SettingsField& field = findField(key, source, log);
   std::visit(
       Overloaded{
           [&](double* v) { *v = numberOf(value, field, source, false); },
@@ -149,7 +157,7 @@ std::string fieldText(const Settings& settings, const SettingsField& field) {
 }
 
 std::string fieldText(const Settings& settings, std::string_view key, const std::string& source) {
-  return fieldText(settings, findField(key, source));
+  return fieldText(settings, findField(key, source, {}));
 }
 
 bool isLiveSetting(std::string_view key) {
@@ -158,14 +166,14 @@ bool isLiveSetting(std::string_view key) {
          key == "tracking.relocalised_share" || key.starts_with("mesh.");
 }
 
-void applyAssignment(Settings& settings, const std::string& assignment) {
+void applyAssignment(Settings& settings, const std::string& assignment, const Log& log) {
   const auto equals = assignment.find('=');
   if (equals == std::string::npos)
     throw InputError("--set " + assignment + ": expected key=value, such as --set volume.voxel_size=0.01.");
-  setField(settings, assignment.substr(0, equals), assignment.substr(equals + 1), "--set");
+  setField(settings, assignment.substr(0, equals), assignment.substr(equals + 1), "--set", log);
 }
 
-void applyYamlText(Settings& settings, const std::string& text, const std::string& source) {
+void applyYamlText(Settings& settings, const std::string& text, const std::string& source, const Log& log) {
   try {
     const YAML::Node root = YAML::Load(text);
     if (root.IsNull()) return;
@@ -180,16 +188,16 @@ void applyYamlText(Settings& settings, const std::string& text, const std::strin
         if (key == kSensor)
           sensor = field.second.as<std::string>();
         else
-          setField(settings, key, field.second.as<std::string>(), source);
+          setField(settings, key, field.second.as<std::string>(), source, log);
       }
     }
-    if (!sensor.empty()) setField(settings, kSensor, sensor, source);
+    if (!sensor.empty()) setField(settings, kSensor, sensor, source, log);
   } catch (const YAML::Exception& error) {
     throw InputError(source + ": not readable as YAML (" + error.what() + ").");
   }
 }
 
-void applyYamlFile(Settings& settings, const std::filesystem::path& file) {
+void applyYamlFile(Settings& settings, const std::filesystem::path& file, const Log& log) {
   std::error_code unknown;
   const bool is_file =
       std::filesystem::exists(file, unknown) && !std::filesystem::is_directory(file, unknown);
@@ -197,7 +205,7 @@ void applyYamlFile(Settings& settings, const std::filesystem::path& file) {
   if (text.empty())
     throw InputError(file.string() +
                      ": cannot be read, or is empty; give a YAML file or a preset (default, paper).");
-  applyYamlText(settings, text, file.string());
+  applyYamlText(settings, text, file.string(), log);
 }
 
 std::vector<std::string> presetNames() {
@@ -206,7 +214,7 @@ std::vector<std::string> presetNames() {
   return names;
 }
 
-Settings loadSettings(const std::string& preset_or_file) {
+Settings loadSettings(const std::string& preset_or_file, const Log& log) {
   Settings settings;
   for (const Preset& preset : presets())
     if (preset.name == preset_or_file) {
@@ -214,7 +222,7 @@ Settings loadSettings(const std::string& preset_or_file) {
       return settings;
     }
   settings = loadSettings("default");
-  applyYamlFile(settings, preset_or_file);
+  applyYamlFile(settings, preset_or_file, log);
   return settings;
 }
 

@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
+#include "host/core/log.h"
 #include "host/settings/sensor_models.h"
 #include "host/swarm/swarm_settings.h"
 
@@ -142,23 +144,31 @@ struct SettingsField {
 /// The table, in the order in which files show it.
 const std::vector<SettingsField>& settingsTable();
 
+/// A key that was called otherwise in earlier versions: files and programs with the old one go on to work.
+struct RenamedSetting {
+  std::string_view old_key, key;
+};
+std::span<const RenamedSetting> renamedSettings();
+
 /// Sets one field from text. Throws InputError naming the key (with the nearest known key for an unknown
-/// one), what is allowed, and `source`, the file or option it came from.
-void setField(Settings& settings, std::string_view key, const std::string& value, const std::string& source);
+/// one), what is allowed, and `source`, the file or option it came from. `log` hears of a key's old name.
+void setField(Settings& settings, std::string_view key, const std::string& value, const std::string& source,
+              const Log& log = {});
 /// Whether a running pipeline can take the setting over; the others take effect when it is made.
 bool isLiveSetting(std::string_view key);
 std::string fieldText(const Settings& settings, const SettingsField& field);
 /// The same by its key. Throws InputError as setField().
 std::string fieldText(const Settings& settings, std::string_view key, const std::string& source);
 
-/// Applies "key=value". Throws InputError.
-void applyAssignment(Settings& settings, const std::string& assignment);
+/// Applies "key=value". Throws InputError. `log`, here and below, as of setField().
+void applyAssignment(Settings& settings, const std::string& assignment, const Log& log = {});
 /// Applies the YAML file's fields over what is there. Throws InputError for unreadable files and unknown
 /// keys.
-void applyYamlFile(Settings& settings, const std::filesystem::path& file);
-void applyYamlText(Settings& settings, const std::string& text, const std::string& source);
+void applyYamlFile(Settings& settings, const std::filesystem::path& file, const Log& log = {});
+void applyYamlText(Settings& settings, const std::string& text, const std::string& source,
+                   const Log& log = {});
 /// A preset's name ("default", "paper"), or a YAML file over the preset "default". Throws InputError.
-Settings loadSettings(const std::string& preset_or_file);
+Settings loadSettings(const std::string& preset_or_file, const Log& log = {});
 std::vector<std::string> presetNames();
 
 /// All fields with their units and help as comments; applyYamlText reads it back to equal settings.

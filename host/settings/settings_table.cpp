@@ -117,12 +117,6 @@ std::vector<SettingsField> makeTable() {
           "volume.memory_limit_mb", "MiB", 0, kMany, "largest volume; 0: 80 % of the device's memory",
           [](Settings & s) -> auto& { return s.volume.memory_limit_mb; }),
 
-      choice<TrackingMethod>(
-          "tracker.method", {"default", "pst", "pfo", "pso", "gauss-newton", "icp"},
-          "how a pose is found: default, motion model, swarm and descent; pst, the paper's swarm alone; "
-          "others for comparison",
-          T(&TrackingSettings::method)),
-
       choice<FitnessLoss>("swarm.loss", {"squared", "absolute"}, "per point: psi^2 [eq. normallh] or |psi|",
                           S(&W::loss)),
       row("swarm.tau", "", 1e-6, 1e6, "temperature of the fitness [eq. pfolh]", S(&W::tau)),
@@ -158,6 +152,11 @@ std::vector<SettingsField> makeTable() {
       choice<FrameStart>("swarm.frame_start", {"previous-first-lengths", "failure-loss"},
                          "axis lengths a frame starts with [PST initialization]", S(&W::frame_start)),
 
+      choice<TrackingMethod>(
+          "tracking.method", {"default", "pst", "pfo", "pso", "gauss-newton", "icp"},
+          "how a pose is found: default, motion model, swarm and descent; pst, the paper's swarm alone; "
+          "others for comparison",
+          T(&TrackingSettings::method)),
       choice<Overlap>("tracking.overlap", {"none", "best-pose", "particle"},
                       "pixels counted: all, or in the overlap with the last frame [eq. validness] at the "
                       "best pose or at the "
@@ -287,6 +286,11 @@ std::vector<SettingsField> makeTable() {
 }
 
 }  // namespace
+
+std::span<const RenamedSetting> renamedSettings() {
+  static constexpr RenamedSetting kRenamed[] = {{"tracker.method", "tracking.method"}};
+  return kRenamed;
+}
 
 const std::vector<SettingsField>& settingsTable() {
   static const std::vector<SettingsField> table = makeTable();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <utility>
 
 #include "engine/passes/sum_check.h"
@@ -40,31 +39,25 @@ TemplateSet templatesFor(const Settings& s, const Log& log) {
   return loadOrGenerate(defaultTemplateCache(options), options, say_once, log);
 }
 
-std::string percent(double share) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%.0f %%", 100 * share);
-  return text;
-}
-
 /// The status that the numbers speak for, and why.
 void judge(const TrackingSettings& limits, FrameResult& result) {
   const PoseScore& score = result.score;
   result.status = TrackingStatus::Tracked;
   if (score.valid_share < limits.min_valid_share) {
     result.status = TrackingStatus::Lost;
-    result.reason = "only " + percent(score.valid_share) + " of the pixels have valid depth";
+    result.reason = {Reason::LittleDepth, score.valid_share};
   } else if (score.overlap == 0) {
     result.status = TrackingStatus::Lost;
-    result.reason = "no pixel overlaps the last frame";
+    result.reason = {Reason::NoOverlap};
   } else if (score.residual > limits.lost_residual) {
     result.status = TrackingStatus::Lost;
-    result.reason = "the depth misses the model by " + percent(score.residual) + " of the truncation";
+    result.reason = {Reason::PoorFit, score.residual};
   } else if (score.overlap < limits.uncertain_overlap) {
     result.status = TrackingStatus::Uncertain;
-    result.reason = "only " + percent(score.overlap) + " of the pixels overlap the last frame";
+    result.reason = {Reason::LittleOverlap, score.overlap};
   } else if (score.residual > limits.uncertain_residual) {
     result.status = TrackingStatus::Uncertain;
-    result.reason = "the depth misses the model by " + percent(score.residual) + " of the truncation";
+    result.reason = {Reason::PoorFit, score.residual};
   }
 }
 
@@ -78,10 +71,8 @@ void judgeConstraint(const RefineSettings& limits, FrameResult& result) {
   const double factor = result.fit->colour_cost > 0 ? kColourConstraint : kWeakConstraint;
   if (result.fit->observability >= factor * limits.least_constraint) return;
   result.status = TrackingStatus::Uncertain;
-  result.reason =
-      result.fit->observability < limits.least_constraint
-          ? "the depth leaves a direction open, as a flat wall does; past motion holds it"
-          : "the depth hardly holds a direction, as before a nearly flat wall; the pose may drift there";
+  result.reason = {result.fit->observability < limits.least_constraint ? Reason::Unconstrained
+                                                                       : Reason::WeaklyConstrained};
 }
 
 }  // namespace
@@ -273,23 +264,22 @@ void Pipeline::verify(const TrackResult& found, bool unsure, FrameResult& result
       verification_.next(verified, settings_.tracking.relocalised_share, unsure, tracker_.isLost());
   if (standing == Standing::Rejected) {
     result.status = TrackingStatus::Lost;
-    result.reason = "no pose could be verified";
+    result.reason = {Reason::NotVerified};
     return;
   }
   if (standing == Standing::Tentative) {
     tentative_ = result.fit->world_from_camera;
     result.status = TrackingStatus::Lost;
-    result.reason = "relocalised tentatively; reported after the next consistent frame";
+    result.reason = {Reason::Tentative};
     return;
   }
   result.world_from_camera = result.fit->world_from_camera;
   result.score = tracker_.score(fuser_.frame(), volume_, result.world_from_camera);
   if (standing == Standing::Consistent) {
     result.status = TrackingStatus::Relocalised;
-    result.reason = unsure ? "a sudden change; integrated once the next frames are consistent with it"
-                    : verification_.hasOverlap()
-                        ? "consistent with the frame before; integrated once one more is"
-                        : "consistent with the frame before; integrated once more of the view is known";
+    result.reason = {unsure                       ? Reason::Jump
+                     : verification_.hasOverlap() ? Reason::ConsistentOnce
+                                                  : Reason::ConsistentUnknown};
     return;
   }
   result.status = TrackingStatus::Tracked;
@@ -326,8 +316,7 @@ void Pipeline::track(FrameResult& result) {
     const double share = kShareOfNext * settings_.tracking.relocalised_share;
     const bool held = result.fit && result.fit->holds(share, settings_.refine.least_constraint);
     result.status = held ? TrackingStatus::Uncertain : TrackingStatus::Lost;
-    result.reason = "something came before the camera (" + percent(result.intruding) + " of the image)" +
-                    (held ? "; not integrated until it is gone" : " and hides the scene");
+    result.reason = {held ? Reason::Occluded : Reason::OccludedAndNotHeld, result.intruding};
   }
   if (result.status != TrackingStatus::Lost) result.world_from_camera = found.world_from_camera;
 }

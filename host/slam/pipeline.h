@@ -1,7 +1,5 @@
 // The reconstruction: depth frames in, poses and a growing model out.
 #pragma once
-#include <string>
-
 #include "host/core/log.h"
 #include "host/slam/loop_closure/loop_closer.h"
 #include "host/slam/mapping/coarse_map.h"
@@ -10,6 +8,7 @@
 #include "host/slam/mapping/model_start.h"
 #include "host/slam/relocalisation/pose_verification.h"
 #include "host/slam/relocalisation/relocaliser.h"
+#include "host/slam/status_reason.h"
 #include "host/slam/tracking/tracker.h"
 
 namespace rosefusion {
@@ -32,7 +31,7 @@ struct FrameResult {
   /// World = the camera of the first fused frame. When lost: the last pose that was tracked or uncertain.
   Pose world_from_camera = Pose::Identity();
   TrackingStatus status = TrackingStatus::Lost;
-  std::string reason;          ///< plain words; empty when tracked
+  StatusReason reason;
   PoseScore score;             ///< the numbers behind the status
   std::optional<PoseFit> fit;  ///< and those of the descent, where there was one
   /// Share of the valid pixels in space that the last fused frame saw to be empty: something has come before

@@ -122,11 +122,7 @@ SwarmState beginFrame(const SwarmSettings& settings, const Pose& start, const Sw
 
 Pose moveBy(const Pose& centre, const Vector6& move) {
   const Eigen::Vector4d q = unitQuaternion(move.tail<3>());
-  const Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);
-  Pose moved = Pose::Identity();
-  moved.linear() = (turn * Eigen::Quaterniond(centre.linear())).normalized().toRotationMatrix();
-  moved.translation() = centre.translation() + move.head<3>();
-  return moved;
+  return moved(centre, move.head<3>(), Eigen::Quaterniond(q[0], q[1], q[2], q[3]));
 }
 
 Vector6 scaledParticle(const SwarmTemplate& swarm_template, size_t index, const Vector6& axis_lengths) {

@@ -15,7 +15,6 @@ namespace rosefusion {
 
 /// A move in the paper's 6-D state space: translation (metres, world axes), then the rotation quaternion's
 /// imaginary part.
-using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 enum class StopReason { kNone, kEmptySets, kSmallMove, kMaxIterations };
 

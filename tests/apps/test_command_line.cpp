@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <opencv2/imgcodecs.hpp>
 
-#include "host/core/error.h"
+#include "apps/cli/exit_code.h"
 #include "tests/host/core/temporary_folder.h"
 
 namespace rosefusion::testing {

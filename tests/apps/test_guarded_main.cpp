@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "apps/cli/exit_code.h"
 #include "engine/error.h"
 #include "host/core/error.h"
 

@@ -42,7 +42,7 @@ struct DepthFrame {
   double timestamp = 0;                  ///< seconds, growing
   std::span<const std::uint8_t> rgb;     ///< 3 bytes per pixel, registered to the depth; empty: none
   /// Since the frame handed over before this one, whatever became of that. One more start of the search,
-  /// which a better one may beat; it holds what the depth leaves open. Not read with a tracker.method of the
+  /// which a better one may beat; it holds what the depth leaves open. Not read with a tracking.method of the
   /// paper's, nor where the pose is known.
   std::optional<MotionPrior> motion;
 };

@@ -4,13 +4,11 @@
 #include <cmath>
 
 #include "host/slam/shader_types.h"
-#include "host/slam/tracking/pose_refiner.h"
 
 namespace rosefusion {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 // Coarse to fine; the pyramid of KinectFusion has the same iterations on three halvings.
 struct Level {

@@ -16,14 +16,6 @@ constexpr double kViewTurn = 0.6;       // radians within which views overlap en
 constexpr double kEnoughOverlap = 0.4;
 constexpr int kNeighbours = 8;  // to either side, within loops.reach
 
-double turnBetween(const Pose& a, const Pose& b) {
-  return Eigen::AngleAxisd(Eigen::Matrix3d(a.linear().transpose() * b.linear())).angle();
-}
-
-double shiftBetween(const Pose& a, const Pose& b) {
-  return (a.translation() - b.translation()).norm();
-}
-
 PoseEdge edgeOf(std::size_t first, std::size_t second, const Pose& motion, double deviation) {
   return {first, second, motion, deviation, kTurnPerShift * deviation};
 }

@@ -12,6 +12,7 @@ constexpr double kFlat = 0.02;            // of the depth: how far the middle ma
 const double kWithin = std::cos(0.2);     // of one direction
 const double kApart = std::cos(0.35);     // of two
 constexpr double kAngleTolerance = 0.14;  // between the angles of two pairs
+constexpr double kSameRotation = 0.15;
 constexpr double kNearlyParallel = 0.85;  // two such directions say little about a rotation
 
 Eigen::Matrix3d frameOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -125,7 +126,7 @@ std::vector<Eigen::Matrix3d> rotationHypotheses(std::span<const SurfaceDirection
   for (const Candidate& candidate : candidates) {
     if (kept.size() == most) break;
     if (std::none_of(kept.begin(), kept.end(), [&](const Eigen::Matrix3d& other) {
-          return Eigen::AngleAxisd(Eigen::Matrix3d(other.transpose() * candidate.rotation)).angle() < 0.15;
+          return turnBetween(other, candidate.rotation) < kSameRotation;
         }))
       kept.push_back(candidate.rotation);
   }

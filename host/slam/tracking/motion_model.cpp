@@ -43,8 +43,7 @@ Pose MotionModel::predict(double timestamp, double longest) const {
   if (passed > kLongestInterval) return out;
   const double share = std::clamp(timestamp - last_->timestamp, 0.0, longest) / passed;
   out.translation() += share * (out.translation() - before_->world_from_camera.translation());
-  const Eigen::AngleAxisd turn(
-      Eigen::Matrix3d(out.linear() * before_->world_from_camera.linear().transpose()));
+  const Eigen::AngleAxisd turn = turnInWorld(before_->world_from_camera, out);
   out.linear() = (Eigen::Quaterniond(Eigen::AngleAxisd(share * turn.angle(), turn.axis())) *
                   Eigen::Quaterniond(out.linear()))
                      .normalized()

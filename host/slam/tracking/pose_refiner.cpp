@@ -13,19 +13,10 @@ namespace rosefusion {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 // Of a pixel from the model, white being 1: the camera's noise, detail finer than a voxel, light that changes
 // with the view. Beyond twice of it a residual counts linearly.
 constexpr double kLuminanceDeviation = 0.03, kLuminanceHuber = 2 * kLuminanceDeviation;
-
-/// The step that leads from `from` to `to`.
-Vector6 difference(const Pose& from, const Pose& to) {
-  const Eigen::AngleAxisd turn(Eigen::Matrix3d(to.linear() * from.linear().transpose()));
-  Vector6 out;
-  out << to.translation() - from.translation(), turn.angle() * turn.axis();
-  return out;
-}
 
 /// To (u z, v z, z), pixels.
 Eigen::Matrix4d imageFromCamera(const Intrinsics& k) {
@@ -109,16 +100,6 @@ struct PoseRefiner::Descent {
   double damping = 1e-3;
   bool finished = false;
 };
-
-Pose moved(const Pose& pose, const Vector6& step) {
-  Pose out = Pose::Identity();
-  const double angle = step.tail<3>().norm();
-  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
-  if (angle > 0) turn = Eigen::AngleAxisd(angle, step.tail<3>() / angle);
-  out.linear() = (turn * Eigen::Quaterniond(pose.linear())).normalized().toRotationMatrix();
-  out.translation() = pose.translation() + step.head<3>();
-  return out;
-}
 
 PoseRefiner::PoseRefiner(Device& device, const Settings& settings, const Intrinsics& intrinsics)
     : settings_(settings.refine),

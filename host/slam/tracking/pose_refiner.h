@@ -22,10 +22,6 @@ inline constexpr double kWeakConstraint = 4;
 /// another moment than its depth costs more than it brings.
 inline constexpr double kAsksColour = 12;
 
-/// `pose` shifted in the world by the first three of `step` and turned about its own centre by the last
-/// three, a rotation vector applied from the left.
-Pose moved(const Pose& pose, const Eigen::Matrix<double, 6, 1>& step);
-
 class PoseRefiner {
  public:
   PoseRefiner(Device& device, const Settings& settings, const Intrinsics& intrinsics);

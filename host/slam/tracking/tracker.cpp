@@ -25,9 +25,9 @@ constexpr double kCarriedOn = 1;  // seconds that a lost camera is expected wher
 /// 0 for the expected pose, towards 1 beyond some centimetres or degrees.
 double motionPriorCost(const Pose& pose, const Pose& expected) {
   constexpr double kShift = 0.05, kTurn = 0.1;
-  const double shift = (pose.translation() - expected.translation()).norm() / kShift;
-  const Eigen::AngleAxisd turn(Eigen::Matrix3d(pose.linear() * expected.linear().transpose()));
-  return 1 - std::exp(-0.5 * (shift * shift + std::pow(turn.angle() / kTurn, 2)));
+  const double shift = shiftBetween(pose, expected) / kShift;
+  const double turn = turnInWorld(expected, pose).angle() / kTurn;
+  return 1 - std::exp(-0.5 * (shift * shift + std::pow(turn, 2)));
 }
 
 }  // namespace

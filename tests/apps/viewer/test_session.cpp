@@ -174,7 +174,7 @@ TEST_F(SessionTest, ACameraThatIsCoveredIsLostAndComesBack) {
   const Snapshot covered = idle();
   ASSERT_TRUE(covered.last);
   EXPECT_EQ(covered.last->status, TrackingStatus::Lost);
-  EXPECT_THAT(covered.last->reason, HasSubstr("valid depth"));
+  EXPECT_EQ(covered.last->reason, Reason::LittleDepth);
   EXPECT_EQ(covered.speed, 0);
   for (int i = 6; i < kFrames; ++i) session_.step();
   const Snapshot after = idle();

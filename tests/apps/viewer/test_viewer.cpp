@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "apps/cli/exit_code.h"
 #include "host/core/trajectory.h"
 #include "host/settings/settings.h"
 #include "host/synth/tum_writer.h"

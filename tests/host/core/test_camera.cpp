@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "tests/host/core/temporary_folder.h"
 
@@ -73,23 +72,6 @@ INSTANTIATE_TEST_SUITE_P(
                       Implausible{"NoImage", {0, 0, 500, 500, 0, 0}, "pixels wide"},
                       Implausible{"HugeImage", {100000, 480, 50000, 50000, 320, 240}, "pixels wide"}),
     [](const auto& tested) { return tested.param.name; });
-
-TEST(RotationAngle, IsTheAngleBetweenZeroAndPi) {
-  EXPECT_DOUBLE_EQ(rotationAngle(Pose::Identity()), 0);
-  for (const double angle : {1e-6, 0.3, 2.0, std::numbers::pi - 1e-6, std::numbers::pi}) {
-    const Eigen::AngleAxisd turn(angle, Eigen::Vector3d(1, -2, 3).normalized());
-    EXPECT_NEAR(rotationAngle(Pose(turn)), angle, 1e-9);
-    EXPECT_NEAR(rotationAngle(Pose(turn.inverse())), angle, 1e-9);
-  }
-}
-
-TEST(Canonical, IsTheSameRotationWithPositiveW) {
-  const Eigen::Quaterniond q = Eigen::Quaterniond(-0.5, 0.1, -0.7, 0.2).normalized();
-  const Eigen::Quaterniond c = canonical(q);
-  EXPECT_GT(c.w(), 0);
-  EXPECT_TRUE(c.toRotationMatrix().isApprox(q.toRotationMatrix(), 1e-15));
-  EXPECT_EQ(canonical(c).coeffs(), c.coeffs());
-}
 
 }  // namespace test_camera
 }  // namespace rosefusion

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "host/core/error.h"
+#include "apps/cli/exit_code.h"
 #include "tests/host/datasets/fixtures.h"
 
 namespace rosefusion::test {

@@ -39,6 +39,29 @@ TEST(Settings, EveryFieldHasItsOwnKeyHelpAndPlace) {
   }
 }
 
+TEST(Settings, RenamedKeysAreAcceptedAndTold) {
+  for (const RenamedSetting& renamed : renamedSettings()) {
+    const std::string old_key(renamed.old_key), key(renamed.key);
+    const auto row = std::find_if(settingsTable().begin(), settingsTable().end(),
+                                  [&](const SettingsField& field) { return field.key == key; });
+    ASSERT_NE(row, settingsTable().end()) << key << " is no setting";
+    EXPECT_EQ(fieldText(Settings(), old_key, "test"), fieldText(Settings(), *row));
+  }
+  Settings settings;
+  std::vector<std::string> told;
+  const Log log = [&](Severity, const std::string& sentence) { told.push_back(sentence); };
+  applyAssignment(settings, "tracker.method=icp", log);
+  EXPECT_EQ(settings.tracking.method, TrackingMethod::kIcp);
+  applyYamlText(settings, "tracker:\n  method: pfo\n", "old.yaml", log);
+  EXPECT_EQ(settings.tracking.method, TrackingMethod::kPfo);
+  applyAssignment(settings, "tracking.method=pso", log);
+  EXPECT_EQ(settings.tracking.method, TrackingMethod::kPso);
+  const std::string sentence =
+      ": 'tracker.method' is called 'tracking.method' now; the old name is still accepted.";
+  EXPECT_THAT(told, ::testing::ElementsAre("--set" + sentence, "old.yaml" + sentence));
+  EXPECT_NO_THROW(applyAssignment(settings, "tracker.method=pst")) << "without anyone to tell";
+}
+
 TEST(Settings, UnknownKeyNamesTheNearest) {
   Settings settings;
   EXPECT_THAT(inputErrorOf([&] { applyAssignment(settings, "volume.voxelsize=0.01"); }),

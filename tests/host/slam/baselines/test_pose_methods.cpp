@@ -63,7 +63,7 @@ TEST_F(MethodTest, EachTracksASlowCameraRepeatablyInItsOwnWay) {
   ASSERT_GT(travelled, 0.1);
   std::vector<Tracked> all;
   for (const char* method : {"default", "pst", "pfo", "pso", "gauss-newton", "icp"}) {
-    const std::string assignment = std::string("tracker.method=") + method;
+    const std::string assignment = std::string("tracking.method=") + method;
     all.push_back(track({assignment, kParticles}));
     EXPECT_LT(te(all.back()), 0.5 * travelled) << method;
     EXPECT_GT(all.back().lookups, 0u) << method;
@@ -85,7 +85,7 @@ TEST_F(MethodTest, SwarmsSpendTheSameBudget) {
   for (const char* method : {"pst", "pfo", "pso"}) {
     std::vector<std::string> assignments = fixed;
     assignments.push_back("swarm.restart_levels_when_empty=false");
-    assignments.push_back(std::string("tracker.method=") + method);
+    assignments.push_back(std::string("tracking.method=") + method);
     all.push_back(track(assignments));
   }
   for (const Tracked& tracked : all) {

@@ -52,10 +52,6 @@ std::vector<SurfaceDirection> directionsOf(const Corner& planes, const Pose& wor
   return dominantDirections(normalsOf(surfacePatches(look(planes, world_from_camera), kCamera)), 0.04, 5);
 }
 
-double angleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
-  return Eigen::AngleAxisd(Eigen::Matrix3d(a.transpose() * b)).angle();
-}
-
 TEST(SurfaceDirections, ThePlanesOfACornerAreFound) {
   const Corner planes = corner(M_PI / 2);
   const Pose camera = pose(0.5, -0.4, 0.2);
@@ -72,12 +68,11 @@ TEST(SurfaceDirections, ThePlanesOfACornerAreFound) {
 TEST(SurfaceDirections, TheTurnBetweenTwoViewsIsAmongThoseThatAgree) {
   const Corner planes = corner(M_PI / 2);
   const Pose first = pose(0.6, -0.4, 0), second = pose(-0.1, -0.7, 0.7);
-  ASSERT_GT(angleBetween(first.linear(), second.linear()), 0.7)
-      << "more than any search from the pose covers";
+  ASSERT_GT(turnBetween(first.linear(), second.linear()), 0.7) << "more than any search from the pose covers";
   const auto rotations = rotationHypotheses(directionsOf(planes, second), directionsOf(planes, first), 48);
   double nearest = M_PI;
   for (const Eigen::Matrix3d& rotation : rotations)
-    nearest = std::min(nearest, angleBetween(rotation, first.linear().transpose() * second.linear()));
+    nearest = std::min(nearest, turnBetween(rotation, first.linear().transpose() * second.linear()));
   EXPECT_LT(nearest, 0.03);
 }
 

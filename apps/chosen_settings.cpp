@@ -1,0 +1,15 @@
+#include "apps/chosen_settings.h"
+
+#include <spdlog/spdlog.h>
+
+namespace rosefusion {
+
+Settings chosenSettings(const std::string& config, const std::vector<std::string>& assignments) {
+  const Log log = [](Severity, const std::string& sentence) { spdlog::warn("{}", sentence); };
+  Settings settings = loadSettings(config, log);
+  for (const std::string& assignment : assignments) applyAssignment(settings, assignment, log);
+  requireConsistent(settings);
+  return settings;
+}
+
+}  // namespace rosefusion
