@@ -10,11 +10,11 @@ namespace rosefusion {
 namespace {
 
 constexpr double kRoomVoxel = 0.02, kRoomTruncation = 0.06;
-// What rooms have been measured with: from 1.2 m on, in a usual field of view, finer voxels cost time and
-// bring nothing (tests/bench/notes/sensors.md#voxel-size).
-constexpr double kVoxelsAcross = 60;  // of the view at its median depth, where that is smaller than a room's
+// Where the view is smaller than a room's: the step nearest to this share of its width at the median depth.
+// In rooms finer voxels cost time and bring nothing (tests/bench/notes/sensors.md#voxel-size).
+constexpr double kVoxelsAcross = 80;
 constexpr double kMostAcrossFar = 600;  // of the view at its far end: what is seen later may be there
-constexpr double kPixelsOfVoxel = 2;    // at least, or most voxels of a surface are seen by chance
+constexpr double kPixelsOfVoxel = 1;    // at least, or most voxels of a surface are seen by chance
 constexpr double kSteps[] = {0.0025, 0.005, 0.01, 0.02, 0.04, 0.08};
 // A fine voxel's truncation has to hold the noise and the motion of a frame, which do not shrink as the voxel
 // does.
@@ -22,21 +22,18 @@ constexpr double kFineTruncation = 4, kTruncation = 3;  // voxels
 // More than so many times another deviation is another sensor's.
 const double kAnotherSensor = std::log2(2.5);
 
-double stepAtMost(double size) {
-  const auto above = std::upper_bound(std::begin(kSteps), std::end(kSteps), size);
-  return above == std::begin(kSteps) ? *above : *std::prev(above);
-}
-
-double stepAtLeast(double size) {
-  const auto found = std::lower_bound(std::begin(kSteps), std::end(kSteps), size);
-  return found == std::end(kSteps) ? *std::prev(found) : *found;
+/// By its logarithm.
+double nearestStep(double size) {
+  return *std::min_element(std::begin(kSteps), std::end(kSteps), [&](double a, double b) {
+    return std::abs(std::log(a / size)) < std::abs(std::log(b / size));
+  });
 }
 
 double voxelFor(const SceneMeasures& scene) {
-  const double across = scene.image_width * scene.median_depth / kVoxelsAcross;
-  const double least = std::max(scene.image_width * scene.far_depth / kMostAcrossFar,
+  const double across = scene.view_width * scene.median_depth / kVoxelsAcross;
+  const double least = std::max(scene.view_width * scene.far_depth / kMostAcrossFar,
                                 kPixelsOfVoxel * scene.pixel_width * scene.median_depth);
-  return std::max(std::min(stepAtMost(across), kRoomVoxel), stepAtLeast(least));
+  return std::max(std::min(nearestStep(across), kRoomVoxel), nearestStep(least));
 }
 
 /// The model nearest to what was measured; none where nothing was, or none is near.

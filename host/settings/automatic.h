@@ -13,7 +13,7 @@ namespace rosefusion {
 struct SceneMeasures {
   double median_depth = 0;
   double far_depth = 0;    ///< a tenth of the depths are farther
-  double image_width = 0;  ///< of the view, at a depth of 1
+  double view_width = 0;   ///< of what has depth in the image, at a depth of 1
   double pixel_width = 0;  ///< the same of a pixel
   bool phone = false;      ///< the images have a phone's size
   struct Deviation {

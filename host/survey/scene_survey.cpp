@@ -9,6 +9,7 @@ namespace {
 
 constexpr int kPixelStep = 4;               // for the distribution of depths
 constexpr double kLeastValid = 0.02;        // share of the pixels
+constexpr double kBeside = 0.05;            // of the valid pixels, on each side of what is taken as the view
 constexpr int kPiecesAcross = 20;           // that planes are fitted to, over the image's width
 constexpr double kLeastCovered = 0.2;       // of a piece
 constexpr std::size_t kLeastPieces = 20;    // of one depth
@@ -69,7 +70,7 @@ std::vector<SceneMeasures::Deviation> flatDeviations(std::vector<SceneMeasures::
 
 std::optional<SceneMeasures> surveyScene(std::span<const cv::Mat> depths, const Intrinsics& camera,
                                          double depth_units_per_metre, const DepthSettings& range) {
-  std::vector<double> distances;
+  std::vector<double> distances, columns;
   std::vector<SceneMeasures::Deviation> pieces;
   std::size_t looked_at = 0;
   for (const cv::Mat& depth : depths) {
@@ -78,7 +79,10 @@ std::optional<SceneMeasures> surveyScene(std::span<const cv::Mat> depths, const 
     metres.setTo(0, (metres < range.min) | (metres > range.max) | (depth == 65535));
     for (int v = 0; v < metres.rows; v += kPixelStep)
       for (int u = 0; u < metres.cols; u += kPixelStep, ++looked_at)
-        if (const float z = metres.at<float>(v, u); z > 0) distances.push_back(z);
+        if (const float z = metres.at<float>(v, u); z > 0) {
+          distances.push_back(z);
+          columns.push_back(u);
+        }
     const int side = std::max(8, metres.cols / kPiecesAcross);
     for (int v = 0; v + side <= metres.rows; v += side)
       for (int u = 0; u + side <= metres.cols; u += side)
@@ -90,7 +94,8 @@ std::optional<SceneMeasures> surveyScene(std::span<const cv::Mat> depths, const 
   SceneMeasures scene;
   scene.median_depth = quantile(distances, 0.5);
   scene.far_depth = quantile(distances, 0.9);
-  scene.image_width = camera.width / camera.fx;
+  scene.view_width =
+      (quantile(columns, 1 - kBeside) - quantile(columns, kBeside)) / (1 - 2 * kBeside) / camera.fx;
   scene.pixel_width = 1 / camera.fx;
   scene.phone = std::minmax(camera.width, camera.height) == std::minmax(256, 192);
   scene.flat = flatDeviations(std::move(pieces));

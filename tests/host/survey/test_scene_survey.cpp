@@ -11,7 +11,7 @@ namespace test_scene_survey {
 
 using ::testing::HasSubstr;
 
-constexpr double kUnits = 1e4;  // fine enough not to round the noise away
+constexpr double kUnits = 9000;  // fine enough not to round the noise away
 const Intrinsics kCamera{640, 480, 500, 500, 319.5, 239.5};
 
 /// A floor seen from `height` above it, whose depths grow towards the image's top, with normal noise.
@@ -92,12 +92,20 @@ TEST(SceneSurvey, VoxelsFollowTheSizeOfTheView) {
   EXPECT_EQ(voxel(2).truncation, 0.06);
 }
 
-TEST(SceneSurvey, APhonesImagesHaveItsNoiseAndNoVoxelFinerThanTwoPixels) {
+TEST(SceneSurvey, AThingCutOutIsAsSmallAsItIs) {
+  cv::Mat depth = floorFrom(0.5, kinect);
+  depth.colRange(0, 220).setTo(0);
+  depth.colRange(420, 640).setTo(0);
+  EXPECT_EQ(resolved(automatic(), survey(depth)).volume.voxel_size, 0.005);
+  EXPECT_EQ(resolved(automatic(), survey(floorFrom(0.5, kinect))).volume.voxel_size, 0.01);
+}
+
+TEST(SceneSurvey, APhonesImagesHaveItsNoiseAndNoVoxelFinerThanAPixel) {
   const Intrinsics phone{256, 192, 212, 212, 127.5, 95.5};
   cv::Mat depth(phone.height, phone.width, CV_16UC1, cv::Scalar(0.6 * kUnits));
   const Settings taken = resolved(automatic(), survey(depth, phone));
   EXPECT_EQ(taken.depth.sensor, Sensor::kIphone);
-  EXPECT_GE(taken.volume.voxel_size, 2 * 0.6 / phone.fx);
+  EXPECT_GE(taken.volume.voxel_size, 0.8 * 0.6 / phone.fx) << "the nearest step";
 }
 
 TEST(SceneSurvey, WhatIsGivenStays) {
