@@ -12,7 +12,7 @@ fail() {
 packages=(
   g++ cmake ninja-build pkg-config ccache
   mesa-vulkan-drivers libvulkan1 libvulkan-dev glslang-tools spirv-tools libspirv-cross-c-shared-dev
-  libeigen3-dev libglm-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
+  libeigen3-dev libglm-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libopencv-calib3d-dev
   libembree-dev libassimp-dev libcli11-dev libspdlog-dev nlohmann-json3-dev libyaml-cpp-dev libnanoflann-dev
   liblz4-dev libzstd-dev libsqlite3-dev gnuplot-nox
 )

@@ -28,21 +28,64 @@ struct Arguments {
   std::filesystem::path out;
   std::optional<double> low, mean, high, angular_mean, angular_high, cx, cy;
   bool force = false, frames_given = false, motion_given = false;
-  std::string json, up = "guess", motion = "6d", noise = "handa";
+  std::string json, up = "guess", motion = "6d", noise = "handa", sensor = "kinect1", registered,
+                    scene = "room";
   std::vector<std::pair<CLI::Option*, std::string>> of_motions;  // options, and the motions that heed them
+  std::vector<CLI::Option*> of_free_camera;                      // of a camera that no sensor describes
+  CLI::Option* fps = nullptr;
 };
 
 void refuseIgnored(const Arguments& a) {
   const bool replay = !a.options.replay_file.empty();
-  const std::string motion = replay ? "replay" : a.motion;
+  const bool around = a.scene != "room";
+  const std::string motion = replay ? "replay" : around ? "around" : a.motion;
   if (replay && a.motion_given && a.motion != "replay")
     throw InputError("--motion " + a.motion +
                      ": --replay flies a recording as it is; leave out one of them.");
+  if (around && (replay || a.motion_given))
+    throw InputError("--scene " + a.scene + " has its own motion; leave out --motion and --replay.");
   for (const auto& [option, motions] : a.of_motions)
     if (option->count() > 0 && motions.find(motion) == std::string::npos)
       throw InputError(option->get_name() + " means nothing to " +
-                       (replay ? "--replay, which flies a recording as it is" : "--motion " + motion) +
+                       (replay   ? "--replay, which flies a recording as it is"
+                        : around ? "--scene " + a.scene
+                                 : "--motion " + motion) +
                        "; leave it out.");
+}
+
+/// Another sensor than kinect1 brings its own images, range and rate.
+void chooseSensor(Arguments& a) {
+  a.options.sensor = sensorNamed(a.sensor);
+  Sensor& sensor = a.options.sensor;
+  if (sensor.principle == DepthPrinciple::kNoise) {
+    if (!a.registered.empty() && a.registered != "none")
+      throw InputError(
+          "--registered means nothing to --sensor kinect1, whose depth is the colour camera's; leave it "
+          "out.");
+    return;
+  }
+  for (const CLI::Option* option : a.of_free_camera)
+    if (option->count() > 0)
+      throw InputError(option->get_name() + ": --sensor " + a.sensor +
+                       " is one camera as it is; leave it out.");
+  if (!a.registered.empty()) sensor.registration = registrationFrom(a.registered);
+  if (sensor.registration != Registration::kNone && sensor.colour.width == 0)
+    throw InputError("--registered: the depth of --sensor " + a.sensor +
+                     " is the colour camera's already; leave it out.");
+  if (a.fps->count() == 0) a.options.fps = sensor.fps;
+  a.options.intrinsics = sensor.output();
+}
+
+/// A desk is looked at more slowly than a room, an object by 2.5 degrees a frame unless a speed is given.
+void chooseScene(Arguments& a) {
+  a.options.scene = a.scene == "desk"     ? SceneKind::kDesk
+                    : a.scene == "object" ? SceneKind::kObject
+                                          : SceneKind::kRoom;
+  if (a.scene == "room") return;
+  a.options.linear = {0.15, 0.5, 0.9};
+  if (a.mean || a.low || a.high) a.options.turn_per_frame = 0;
+  if (a.scene == "object" && !a.frames_given)
+    a.options.frames = 145;  // one turn, and its first view once more
 }
 
 /// Speeds left out follow those given, in the proportions of the defaults.
@@ -76,6 +119,7 @@ void settle(Arguments& a) {
                                               {"replay", Motion::kReplay}};
   const std::map<std::string, UpAxis> axes{{"guess", UpAxis::kGuess}, {"y", UpAxis::kY}, {"z", UpAxis::kZ}};
   a.options.motion = a.options.replay_file.empty() ? motions.at(a.motion) : Motion::kReplay;
+  if (a.scene != "room") a.options.motion = Motion::kAround;
   a.options.up = axes.at(a.up);
   a.options.noise = depthNoiseFrom(a.noise);
   if (a.options.motion == Motion::kReplay && !a.frames_given) a.options.frames = kAllFrames;
@@ -83,7 +127,9 @@ void settle(Arguments& a) {
 
 void run(Arguments& a) {
   refuseIgnored(a);
+  chooseScene(a);
   settle(a);
+  chooseSensor(a);
   requirePlausible(a.options);
   requireUsableOutput(a.out, a.force);
   requireWritableJson(a.json);
@@ -129,12 +175,21 @@ void addSynthCommand(CLI::App& app) {
                 "number of frames; replay: at most, all of the recording when left out")
       ->capture_default_str()
       ->each([a](const std::string&) { a->frames_given = true; });
-  c->add_option("--fps", a->options.fps, "frames a second")->capture_default_str();
+  a->fps = c->add_option("--fps", a->options.fps, "frames a second")->capture_default_str();
   c->add_flag("--force", a->force, "replace a sequence generated earlier");
   c->add_option("--json", a->json, "write the report (synth.json) to this file too; - for standard output");
   c->add_option("--threads", a->options.threads, "0: one per core; the result does not depend on it")
       ->check(CLI::Range(0, 1024));
 
+  c->add_option("--scene", a->scene,
+                "room, desk (a table top with things, from 0.3 to 1.2 m by hand) or object (one thing of 0.2 "
+                "to 0.6 m, "
+                "in full turns of 2.5 degrees a frame, or at --speed)")
+      ->check(CLI::IsMember({"room", "desk", "object"}))
+      ->capture_default_str()
+      ->group("Scene");
+  c->add_flag("--cut-out", a->options.cut_out, "object: depth 0 wherever something else is seen")
+      ->group("Scene");
   c->add_option("--mesh", a->options.mesh_file,
                 "closed room or building in metres (PLY, OBJ, STL, glTF) instead of the procedural room")
       ->group("Scene");
@@ -152,13 +207,14 @@ void addSynthCommand(CLI::App& app) {
       ->capture_default_str()
       ->group("Motion")
       ->each([a](const std::string&) { a->motion_given = true; });
-  of("6d linear", c->add_option("--speed", a->mean, "mean linear speed, m/s [1.68, or 0.42 of --max-speed]"));
-  of("6d linear", c->add_option("--min-speed", a->low, "m/s [1.0, or a quarter of --max-speed]"));
-  of("6d linear", c->add_option("--max-speed", a->high, "m/s [4.0]"));
+  of("6d linear around",
+     c->add_option("--speed", a->mean, "mean linear speed, m/s [1.68, or 0.42 of --max-speed]"));
+  of("6d linear around", c->add_option("--min-speed", a->low, "m/s [1.0, or a quarter of --max-speed]"));
+  of("6d linear around", c->add_option("--max-speed", a->high, "m/s [4.0]"));
   of("6d rotation", c->add_option("--angular", a->angular_mean,
                                   "mean angular speed, rad/s [0.95, or 0.43 of --max-angular]"));
   of("6d rotation", c->add_option("--max-angular", a->angular_high, "rad/s [2.2]"));
-  of("6d rotation",
+  of("6d rotation around",
      c->add_option("--ramp", a->options.ramp, "seconds from rest to --min-speed")->capture_default_str());
   of("6d", c->add_option("--loops", a->options.loops,
                          "6d: fly this many laps of one closed tour through all rooms"));
@@ -167,21 +223,37 @@ void addSynthCommand(CLI::App& app) {
                    ->capture_default_str());
 
   const std::string camera = "Camera";
-  c->add_option("--width", a->options.intrinsics.width, "pixels")->capture_default_str()->group(camera);
-  c->add_option("--height", a->options.intrinsics.height, "pixels")->capture_default_str()->group(camera);
-  c->add_option("--fx", a->options.intrinsics.fx, "pixels")->capture_default_str()->group(camera);
-  c->add_option("--fy", a->options.intrinsics.fy, "pixels")->capture_default_str()->group(camera);
-  c->add_option("--cx", a->cx, "pixels [image centre]")->group(camera);
-  c->add_option("--cy", a->cy, "pixels [image centre]")->group(camera);
-  c->add_option("--max-depth", a->options.max_depth, "metres; what is further reads 0")
+  c->add_option("--sensor", a->sensor,
+                "kinect1: true depth with noise; kinect2, azure, l515 (time of flight), d400 (stereo), f200 "
+                "(structured "
+                "light), iphone (LiDAR): simulated by their physics, with their images, range and rate")
       ->capture_default_str()
       ->group(camera);
-  c->add_option("--noise", a->noise,
-                "depth noise: handa (Handa et al. 2014, unbiased), simkinect (rounded as that program does, "
-                "which reads too near: 6 mm at 2 m), or none")
+  c->add_option("--registered", a->registered,
+                "carry depth onto the colour image: points (a larger image has holes), areas (as "
+                "librealsense does), or "
+                "none [f200: points, d400: areas, others: none]")
+      ->expected(0, 1)
+      ->default_str("points")
+      ->group(camera);
+  const auto free = [&](CLI::Option* option) {
+    a->of_free_camera.push_back(option->group(camera));
+    return option;
+  };
+  free(c->add_option("--width", a->options.intrinsics.width, "pixels")->capture_default_str());
+  free(c->add_option("--height", a->options.intrinsics.height, "pixels")->capture_default_str());
+  free(c->add_option("--fx", a->options.intrinsics.fx, "pixels")->capture_default_str());
+  free(c->add_option("--fy", a->options.intrinsics.fy, "pixels")->capture_default_str());
+  free(c->add_option("--cx", a->cx, "pixels [image centre]"));
+  free(c->add_option("--cy", a->cy, "pixels [image centre]"));
+  free(c->add_option("--max-depth", a->options.max_depth, "metres; what is further reads 0")
+           ->capture_default_str());
+  free(c->add_option(
+           "--noise", a->noise,
+           "depth noise: handa (Handa et al. 2014, unbiased), simkinect (rounded as that program does, "
+           "which reads too near: 6 mm at 2 m), or none"))
       ->check(CLI::IsMember({"handa", "simkinect", "none"}))
-      ->capture_default_str()
-      ->group(camera);
+      ->capture_default_str();
   a->options.colour = true;  // as depth cameras have it
   c->add_flag("--colour,--color,!--no-colour,!--no-color", a->options.colour,
               "write rgb/ as well [yes]; --no-colour: depth alone")
@@ -194,6 +266,8 @@ void addSynthCommand(CLI::App& app) {
       "  rosefusion synth out/line --motion linear --noise none\n"
       "  rosefusion synth out/house --mesh house.ply --frames 10000 --loops 8\n"
       "  rosefusion synth out/desk3x --replay groundtruth.txt --replay-speed 3\n"
+      "  rosefusion synth out/desk --scene desk --sensor d400\n"
+      "  rosefusion synth out/thing --scene object --cut-out --sensor f200\n"
       "Exit codes: 0 finished, 2 bad input, 130 interrupted (nothing of the sequence is kept).");
   c->callback([a] { run(*a); });
 }

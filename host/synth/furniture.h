@@ -30,6 +30,9 @@ void addClutter(const ShapeBuilder& shapes, double width, double depth, int coun
 /// Books standing from x = 0 to `length`, their backs at y = 0, within `depth` and `height`.
 void addBooks(const ShapeBuilder& shapes, double length, double depth, double height, Rng& rng);
 
+/// Floor, ceiling and four walls of a room from the origin to `size`, seen from inside.
+void buildShell(const ShapeBuilder& shapes, const Eigen::Vector3d& size, Rng& rng);
+
 std::uint16_t woodMaterial(const ShapeBuilder& shapes, Rng& rng);
 std::uint16_t clothMaterial(const ShapeBuilder& shapes, Rng& rng);
 std::uint16_t brightMaterial(const ShapeBuilder& shapes, Rng& rng);

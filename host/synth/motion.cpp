@@ -140,8 +140,10 @@ Trajectory linearMotion(const FreeSpace& space, const SynthOptions& options, Rng
   });
 }
 
-Trajectory makeTrajectory(const FreeSpace& space, const SynthOptions& options) {
+Trajectory makeTrajectory(const Tracer& tracer, const SynthOptions& options, const std::string& source) {
   Rng rng(options.seed, 2);
+  if (options.motion == Motion::kAround) return aroundMotion(tracer, options, rng);
+  const FreeSpace space(tracer, options.threads, source);
   switch (options.motion) {
     case Motion::kLinear:
       return linearMotion(space, options, rng);
@@ -149,6 +151,7 @@ Trajectory makeTrajectory(const FreeSpace& space, const SynthOptions& options) {
       return rotationMotion(space, options, rng);
     case Motion::kReplay:
       return replayMotion(space, options, rng);
+    case Motion::kAround:
     case Motion::kSixDof:
       break;
   }

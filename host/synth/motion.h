@@ -31,8 +31,13 @@ Trajectory rotationMotion(const FreeSpace& space, const SynthOptions& options, R
 /// At most options.frames poses: it ends where the recording ends.
 Trajectory replayMotion(const FreeSpace& space, const SynthOptions& options, Rng& rng);
 
-/// The one that options.motion names, seeded by options.seed.
-Trajectory makeTrajectory(const FreeSpace& space, const SynthOptions& options);
+/// Around scene.subject: by hand to and fro before a desk, 0.45 to 1 m from what is looked at; around an
+/// object in turns that close.
+Trajectory aroundMotion(const Tracer& tracer, const SynthOptions& options, Rng& rng);
+
+/// The one that options.motion names, seeded by options.seed; where it needs free space, found in the scene
+/// that `source` names in errors.
+Trajectory makeTrajectory(const Tracer& tracer, const SynthOptions& options, const std::string& source);
 
 /// Speeds from frame to frame, and how the views look.
 struct MotionStatistics {

@@ -6,6 +6,7 @@
 
 #include "host/core/camera.h"
 #include "host/synth/scene.h"
+#include "host/synth/sensors.h"
 #include "host/synth/timing.h"
 
 namespace rosefusion {
@@ -15,7 +16,10 @@ enum class Motion {
   kLinear,    ///< back and forth on a straight line, no rotation
   kRotation,  ///< on the spot
   kReplay,    ///< a recorded trajectory
+  kAround,    ///< by hand around a desk, or in full turns around an object
 };
+
+enum class SceneKind { kRoom, kDesk, kObject };
 
 enum class DepthNoise {
   kNone,
@@ -29,8 +33,9 @@ DepthNoise depthNoiseFrom(const std::string& word);
 
 /// The defaults are the default sequence: 8 s of the paper's FastCaMo-Synth recipe (section 5.1, table 1).
 struct SynthOptions {
-  std::uint64_t seed = 1;           ///< of the room, the motion and the noise
-  std::filesystem::path mesh_file;  ///< empty: a procedural room
+  std::uint64_t seed = 1;  ///< of the room, the motion and the noise
+  SceneKind scene = SceneKind::kRoom;
+  std::filesystem::path mesh_file;  ///< empty: a procedural scene
   UpAxis up = UpAxis::kGuess;       ///< of mesh_file
 
   Motion motion = Motion::kSixDof;
@@ -40,9 +45,12 @@ struct SynthOptions {
   SpeedRange angular{0.4, 0.95, 2.2};  ///< rad/s
   double ramp = 0.3;                   ///< seconds from rest to the range's lower end
   int loops = 0;  ///< above 0 (kSixDof): this many laps of one closed tour through all rooms
-  std::filesystem::path replay_file;  ///< TUM trajectory (kReplay)
-  double replay_speed = 1;            ///< times faster than recorded (kReplay)
+  double turn_per_frame = 2.5 * 3.14159265358979 / 180;  ///< radians (kAround an object); 0: as linear says
+  bool cut_out = false;                                  ///< kObject: what is not the object has no depth
+  std::filesystem::path replay_file;                     ///< TUM trajectory (kReplay)
+  double replay_speed = 1;                               ///< times faster than recorded (kReplay)
 
+  Sensor sensor;  ///< other than kinect1: its images and range, instead of intrinsics, max_depth and noise
   Intrinsics intrinsics{640, 480, 320, 320, 319.5, 239.5};
   double max_depth = 10;  ///< metres; further reads 0
   DepthNoise noise = DepthNoise::kHanda;

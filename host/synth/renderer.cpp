@@ -1,31 +1,15 @@
 #include "host/synth/renderer.h"
 
-#include <algorithm>
 #include <opencv2/core.hpp>
+
+#include "host/synth/cast_image.h"
 
 namespace rosefusion {
 namespace {
 
 constexpr double kFarthest = 1000;
 
-/// Calls pixel(row, column, hit, direction) for every pixel; directions have unit length along the optical
-/// axis.
-template <typename Pixel>
-void castImage(const Tracer& tracer, const Intrinsics& k, const Pose& pose, double longest,
-               const Pixel& pixel) {
-  const Eigen::Matrix3d rotation = pose.linear();
-  const Eigen::Vector3d origin = pose.translation();
-  Eigen::Matrix<double, 3, 4> directions;
-  Tracer::Hit hits[4];
-  for (int v = 0; v < k.height; ++v)
-    for (int u = 0; u < k.width; u += 4) {
-      for (int i = 0; i < 4; ++i)
-        directions.col(i) = rotation * k.unproject(std::min(u + i, k.width - 1), v, 1);
-      tracer.cast4(origin, directions, longest, hits);
-      for (int i = 0; i < 4 && u + i < k.width; ++i)
-        pixel(v, u + i, hits[i], Eigen::Vector3d(directions.col(i)));
-    }
-}
+}  // namespace
 
 Eigen::Vector3f surfaceColour(const Scene& scene, const Tracer::Hit& hit, const Eigen::Vector3d& point) {
   if (!scene.face_material.empty())
@@ -37,8 +21,6 @@ Eigen::Vector3f surfaceColour(const Scene& scene, const Tracer::Hit& hit, const 
     for (int c = 0; c < 3; ++c) colour[c] += weights[i] * scene.mesh.colours[t[i]][c] / 255.0f;
   return colour;
 }
-
-}  // namespace
 
 cv::Mat renderDepth(const Tracer& tracer, const Intrinsics& intrinsics, const Pose& world_from_camera,
                     double max_depth, std::vector<std::uint8_t>* seen) {

@@ -20,4 +20,7 @@ cv::Mat renderDepth(const Tracer& tracer, const Intrinsics& intrinsics, const Po
 /// (Lambert).
 cv::Mat renderColour(const Tracer& tracer, const Intrinsics& intrinsics, const Pose& world_from_camera);
 
+/// What the surface reflects where a ray met it (RGB, 0 to 1), before shading; `point` in the world.
+Eigen::Vector3f surfaceColour(const Scene& scene, const Tracer::Hit& hit, const Eigen::Vector3d& point);
+
 }  // namespace rosefusion

@@ -2,36 +2,90 @@
 
 #include <opencv2/core.hpp>
 
+#include "host/synth/cast_image.h"
+#include "host/synth/depth_simulation.h"
 #include "host/synth/noise.h"
 #include "host/synth/parallel.h"
 #include "host/synth/renderer.h"
 
 namespace rosefusion {
+namespace {
+
+Scene makeScene(const SynthOptions& options) {
+  if (!options.mesh_file.empty()) return loadScene(options.mesh_file, options.up);
+  switch (options.scene) {
+    case SceneKind::kDesk:
+      return makeDesk(options.seed);
+    case SceneKind::kObject:
+      return makeObject(options.seed);
+    case SceneKind::kRoom:
+      break;
+  }
+  return makeRoom(options.seed);
+}
+
+/// Takes the depth of all that is not the scene's subject; threads may share `seen`.
+void cutOut(cv::Mat& depth, const Tracer& tracer, const Intrinsics& k, const Pose& pose) {
+  const Subject& subject = tracer.scene().subject;
+  castImage(tracer, k, pose, 100, [&](int row, int column, const Tracer::Hit& hit, const Eigen::Vector3d&) {
+    if (hit.triangle < subject.first_triangle || hit.triangle >= subject.end_triangle)
+      depth.at<std::uint16_t>(row, column) = 0;
+  });
+}
+
+}  // namespace
 
 SynthPlan::SynthPlan(const SynthOptions& options) : options_(options) {
-  requirePlausible(options);
-  scene_ = std::make_unique<Scene>(options.mesh_file.empty() ? makeRoom(options.seed)
-                                                             : loadScene(options.mesh_file, options.up));
+  if (options_.sensor.principle != DepthPrinciple::kNoise) {
+    options_.intrinsics = options_.sensor.output();
+    options_.max_depth = options_.sensor.farthest;
+    options_.noise = DepthNoise::kNone;
+  }
+  requirePlausible(options_);
+  const std::string source = options_.mesh_file.empty() ? "procedural room" : options_.mesh_file.string();
+  scene_ = std::make_unique<Scene>(makeScene(options_));
   tracer_ = std::make_unique<Tracer>(*scene_);
-  const FreeSpace space(*tracer_, options.threads,
-                        options.mesh_file.empty() ? "procedural room" : options.mesh_file.string());
-  truth_ = makeTrajectory(space, options);
+  truth_ = makeTrajectory(*tracer_, options_, source);
+}
+
+Pose SynthPlan::poseAt(std::size_t i, double seconds) const {
+  if (seconds == 0) return truth_[i].world_from_camera;
+  const bool forward = i == 0 || (seconds > 0 && i + 1 < truth_.size());
+  const StampedPose &here = truth_[i], &there = truth_[forward ? i + 1 : i - 1];
+  const double share = seconds / (there.timestamp - here.timestamp);
+  const Pose step = here.world_from_camera.inverse() * there.world_from_camera;
+  Eigen::AngleAxisd turn(step.linear());
+  turn.angle() *= share;
+  return here.world_from_camera * Eigen::Translation3d(share * step.translation()) * turn;
+}
+
+/// CV_32FC1, metres, on the images as they are written.
+cv::Mat SynthPlan::measuredDepth(std::size_t i, Rng& rng, std::vector<std::uint8_t>* seen) const {
+  const Pose& pose = truth_[i].world_from_camera;
+  const Sensor& sensor = options_.sensor;
+  if (sensor.principle != DepthPrinciple::kNoise) {
+    if (seen) renderDepth(*tracer_, options_.intrinsics, pose, options_.max_depth, seen);
+    const Pose output_from_depth = sensor.outputFromDepth();
+    return simulateDepth(
+        sensor, *tracer_, [&](double seconds) -> Pose { return poseAt(i, seconds) * output_from_depth; },
+        rng);
+  }
+  const cv::Mat depth = renderDepth(*tracer_, options_.intrinsics, pose, options_.max_depth, seen);
+  if (options_.noise == DepthNoise::kNone) return depth;
+  return addHandaNoise(depth, rng,
+                       options_.noise == DepthNoise::kSimkinect ? DisparityRounding::kSimkinect
+                                                                : DisparityRounding::kPublished);
 }
 
 Frame SynthPlan::renderFrame(std::size_t i, std::vector<std::uint8_t>* seen) const {
-  const Pose& pose = truth_[i].world_from_camera;
   Frame frame;
   frame.timestamp = truth_[i].timestamp;
-  cv::Mat depth = renderDepth(*tracer_, options_.intrinsics, pose, options_.max_depth, seen);
-  const bool noisy = options_.noise != DepthNoise::kNone;
   Rng rng(options_.seed, 1000 + i);  // one stream per frame: the same whichever thread renders it
-  if (noisy)
-    depth = addHandaNoise(depth, rng,
-                          options_.noise == DepthNoise::kSimkinect ? DisparityRounding::kSimkinect
-                                                                   : DisparityRounding::kPublished);
-  depth.convertTo(frame.depth, CV_16UC1, kSynthDepthUnitsPerMetre);
-  if (options_.colour) frame.colour = renderColour(*tracer_, options_.intrinsics, pose);
-  if (options_.colour && noisy)
+  measuredDepth(i, rng, seen).convertTo(frame.depth, CV_16UC1, kSynthDepthUnitsPerMetre);
+  if (options_.cut_out) cutOut(frame.depth, *tracer_, options_.intrinsics, truth_[i].world_from_camera);
+  if (!options_.colour) return frame;
+  frame.colour = renderColour(*tracer_, options_.intrinsics, truth_[i].world_from_camera);
+  if (options_.noise != DepthNoise::kNone || options_.sensor.principle != DepthPrinciple::kNoise)
     addColourNoise(frame.colour, rng);  // after the depth's, which it does not change
   return frame;
 }
@@ -39,7 +93,7 @@ Frame SynthPlan::renderFrame(std::size_t i, std::vector<std::uint8_t>* seen) con
 SynthSequence makeSequence(const SynthOptions& options) {
   const SynthPlan plan(options);
   SynthSequence sequence;
-  sequence.intrinsics = options.intrinsics;
+  sequence.intrinsics = plan.options().intrinsics;
   sequence.truth = plan.truth();
   sequence.mesh = plan.scene().mesh;
   sequence.statistics = plan.statistics();

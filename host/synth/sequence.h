@@ -29,7 +29,12 @@ class SynthPlan {
   /// for. `seen` as in renderDepth.
   Frame renderFrame(std::size_t i, std::vector<std::uint8_t>* seen = nullptr) const;
 
+  /// The camera so many seconds after frame i's moment, at the speed between frames.
+  Pose poseAt(std::size_t i, double seconds) const;
+
  private:
+  cv::Mat measuredDepth(std::size_t i, Rng& rng, std::vector<std::uint8_t>* seen) const;
+
   SynthOptions options_;
   std::unique_ptr<Scene> scene_;  // pinned: the tracer points at it
   std::unique_ptr<Tracer> tracer_;

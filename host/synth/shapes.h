@@ -17,6 +17,8 @@ class ShapeBuilder {
   ShapeBuilder at(const Eigen::Vector3d& offset, double yaw = 0) const;
   ShapeBuilder at(const Eigen::Isometry3d& local) const { return {scene_, place_ * local}; }
 
+  Eigen::Vector3d toWorld(const Eigen::Vector3d& local) const { return place_ * local; }
+
   std::uint16_t addMaterial(const Material& material) const;
 
   /// Box whose base centre is the origin.

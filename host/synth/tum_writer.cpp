@@ -49,6 +49,8 @@ const char* nameOf(Motion motion) {
       return "rotation";
     case Motion::kReplay:
       return "replay";
+    case Motion::kAround:
+      return "around";
     case Motion::kSixDof:
       break;
   }
@@ -89,7 +91,11 @@ std::string synthReport(const SynthPlan& plan) {
   const MotionStatistics s = plan.statistics();
   nlohmann::ordered_json json;
   json["seed"] = o.seed;
-  json["scene"] = o.mesh_file.empty() ? "procedural room" : o.mesh_file.string();
+  json["scene"] = !o.mesh_file.empty()            ? o.mesh_file.string()
+                  : o.scene == SceneKind::kDesk   ? "procedural desk"
+                  : o.scene == SceneKind::kObject ? "procedural object"
+                                                  : "procedural room";
+  if (o.cut_out) json["cut_out"] = true;
   if (const Eigen::Vector3d& origin = plan.scene().origin; !origin.isZero())
     json["origin_m"] = {origin.x(), origin.y(), origin.z()};
   json["motion"] = nameOf(o.motion);
@@ -107,13 +113,19 @@ std::string synthReport(const SynthPlan& plan) {
                     {"fy", o.intrinsics.fy},       {"cx", o.intrinsics.cx},         {"cy", o.intrinsics.cy}};
   json["depth_units_per_metre"] = kSynthDepthUnitsPerMetre;
   json["max_depth_m"] = o.max_depth;
-  json["noise"] = toString(o.noise);
+  if (const Sensor& sensor = o.sensor; sensor.principle != DepthPrinciple::kNoise) {
+    json["sensor"] = sensor.name;
+    json["registered"] = toString(sensor.registration);
+  } else {
+    json["noise"] = toString(o.noise);
+  }
   // Earlier sequences called "handa" what "simkinect" is now.
   if (o.noise != DepthNoise::kNone)
     json["disparity"] = o.noise == DepthNoise::kHanda ? "floor(d + n + 0.5)" : "round(d + n + 0.5)";
   json["colour"] = o.colour;
   // Earlier sequences had colours without noise.
-  if (o.colour && o.noise != DepthNoise::kNone) json["colour_sigma"] = kColourSigma;
+  if (o.colour && (o.noise != DepthNoise::kNone || o.sensor.principle != DepthPrinciple::kNoise))
+    json["colour_sigma"] = kColourSigma;
   json["up"] = {plan.scene().up.x(), plan.scene().up.y(), plan.scene().up.z()};
   json["true_motion"] = {{"linear_mean_mps", s.linear_mean},
                          {"linear_max_mps", s.linear_max},

@@ -1,0 +1,35 @@
+// What an infrared camera beside a lamp or projector sees of a scene.
+#pragma once
+#include <opencv2/core/mat.hpp>
+
+#include "host/core/camera.h"
+#include "host/synth/random.h"
+#include "host/synth/tracer.h"
+
+namespace rosefusion {
+
+/// Images of one size, CV_32FC1.
+struct InfraredView {
+  cv::Mat depth;     ///< metres along the optical axis; 0: nothing there
+  cv::Mat albedo;    ///< 0 to 1
+  cv::Mat facing;    ///< cosine between the surface's normal and the ray
+  cv::Mat daylight;  ///< what other lamps shed on the surface, about 1
+};
+
+InfraredView viewInfrared(const Tracer& tracer, const Intrinsics& intrinsics, const Pose& world_from_camera,
+                          double longest);
+
+/// What a projector's light reaches. Half its field of view: tangents 1.07 by 0.8.
+class ProjectorShadow {
+ public:
+  ProjectorShadow(const Tracer& tracer, const Pose& world_from_projector, double longest);
+  bool isLit(const Eigen::Vector3d& point) const;  ///< in the projector's frame
+
+ private:
+  cv::Mat depth_;
+};
+
+/// A constant field of pseudo-random dots, 0 to 1, over the tangents of a projector's rays.
+float dotPattern(double tangent_x, double tangent_y);
+
+}  // namespace rosefusion
