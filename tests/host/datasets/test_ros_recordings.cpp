@@ -7,8 +7,8 @@
 #include <random>
 
 #include "host/core/error.h"
-#include "host/datasets/ros/byte_reader.h"
-#include "host/datasets/ros/compression.h"
+#include "host/datasets/byte_reader.h"
+#include "host/datasets/compression.h"
 #include "host/datasets/sequence.h"
 #include "tests/host/datasets/fixtures.h"
 

@@ -1,11 +1,11 @@
-#include "host/datasets/ros/compression.h"
+#include "host/datasets/compression.h"
 
 #include <lz4frame.h>
 #include <zstd.h>
 
 #include <memory>
 
-#include "host/datasets/ros/byte_reader.h"
+#include "host/datasets/byte_reader.h"
 
 namespace rosefusion::datasets {
 
