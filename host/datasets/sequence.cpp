@@ -15,9 +15,9 @@ using namespace datasets;
 
 /// The first that matches reads the folder, so the more special layouts come first; TUM takes any association
 /// file.
-const std::array<const Reader*, 7> kReaders{&kPngFolderReader, &kEth3dReader, &kIclNuimReader,
-                                            &kFastCaMoReader,  &kTumReader,   &kSevenScenesReader,
-                                            &kReplicaReader};
+const std::array<const Reader*, 10> kReaders{
+    &kPngFolderReader,   &kEth3dReader,   &kIclNuimReader, &kFastCaMoReader, &kTumReader,
+    &kSevenScenesReader, &kReplicaReader, &kStrayReader,   &kScanNetReader,  &kOpen3dReader};
 
 const Reader* findReader(const fs::path& folder) {
   const auto found = std::find_if(kReaders.begin(), kReaders.end(),
