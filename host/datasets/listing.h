@@ -67,4 +67,10 @@ std::unique_ptr<Sequence> openPackedSeq(const std::filesystem::path& file, const
 /// Throws InputError for files that cannot be read and recordings without depth images.
 std::unique_ptr<Sequence> openRosRecording(const std::filesystem::path& file, const SequenceOptions& options);
 
+/// ScanNet's .sens, ElasticFusion's .klg and Record3D's .r3d. One that was cut is read up to there, with a
+/// warning. Throws InputError for files that are none, and where not one depth image can be read.
+std::unique_ptr<Sequence> openSens(const std::filesystem::path& file, const SequenceOptions& options);
+std::unique_ptr<Sequence> openKlg(const std::filesystem::path& file, const SequenceOptions& options);
+std::unique_ptr<Sequence> openRecord3d(const std::filesystem::path& file, const SequenceOptions& options);
+
 }  // namespace rosefusion::datasets
