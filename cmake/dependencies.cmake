@@ -47,10 +47,12 @@ if(ROSEFUSION_APPS)
   rosefusion_require(nanoflann libnanoflann-dev "")
   rosefusion_require(embree libembree-dev 3)
   rosefusion_require(assimp libassimp-dev "")
-  # Of ROS recordings.
+  # Of recordings.
   rosefusion_require_module(LZ4 liblz4 liblz4-dev)
   rosefusion_require_module(ZSTD_FRAMES libzstd libzstd-dev)
   rosefusion_require_module(SQLITE sqlite3 libsqlite3-dev)
+  rosefusion_require_module(ZLIB_STREAMS zlib zlib1g-dev)
+  rosefusion_require_module(ZIP libzip libzip-dev)
 endif()
 include(cmake/opencv.cmake)
 if(ROSEFUSION_TESTS)

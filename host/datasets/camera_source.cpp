@@ -14,22 +14,6 @@ std::string sizeText(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
 
-/// The same lens on an image sampled more coarsely or finely; pixel centres have integer coordinates.
-Intrinsics scaledTo(const Intrinsics& k, int width, int height) {
-  const double sx = static_cast<double>(width) / k.width, sy = static_cast<double>(height) / k.height;
-  return {width, height, k.fx * sx, k.fy * sy, (k.cx + 0.5) * sx - 0.5, (k.cy + 0.5) * sy - 0.5};
-}
-
-/// The matrix [fx 0 cx; 0 fy cy; 0 0 1] with three or four columns and rows, as many tools write it.
-std::optional<Intrinsics> fromMatrix(const std::vector<double>& v) {
-  if (v.size() != 9 && v.size() != 12 && v.size() != 16) return std::nullopt;
-  const std::size_t columns = v.size() == 9 ? 3 : 4;
-  if (v[1] != 0 || v[columns] != 0 || v[2 * columns] != 0 || v[2 * columns + 1] != 0 ||
-      v[2 * columns + 2] != 1)
-    return std::nullopt;
-  return Intrinsics{0, 0, v[0], v[columns + 1], v[2], v[columns + 2]};
-}
-
 /// Six numbers: four with the image's width and height before or behind them. A lens' coefficients in their
 /// place are smaller than a principal point or a size.
 std::optional<Intrinsics> withSize(const std::vector<double>& v) {
@@ -53,12 +37,26 @@ std::optional<Intrinsics> withSize(const std::vector<double>& v) {
 
 }  // namespace
 
+Intrinsics scaledTo(const Intrinsics& k, int width, int height) {
+  const double sx = static_cast<double>(width) / k.width, sy = static_cast<double>(height) / k.height;
+  return {width, height, k.fx * sx, k.fy * sy, (k.cx + 0.5) * sx - 0.5, (k.cy + 0.5) * sy - 0.5};
+}
+
+std::optional<Intrinsics> intrinsicsOf(const std::vector<double>& v) {
+  if (v.size() != 9 && v.size() != 12 && v.size() != 16) return std::nullopt;
+  const std::size_t columns = v.size() == 9 ? 3 : 4;
+  if (v[1] != 0 || v[columns] != 0 || v[2 * columns] != 0 || v[2 * columns + 1] != 0 ||
+      v[2 * columns + 2] != 1)
+    return std::nullopt;
+  return Intrinsics{0, 0, v[0], v[columns + 1], v[2], v[columns + 2]};
+}
+
 std::optional<CameraSource> readCalibration(const std::filesystem::path& folder,
                                             std::vector<std::string>& warnings) {
   const std::filesystem::path file = folder / "calibration.txt";
   if (!std::filesystem::exists(file)) return std::nullopt;
   const std::vector<double> v = readNumbers(file);
-  if (const std::optional<Intrinsics> k = fromMatrix(v)) return CameraSource{*k, file.string(), false, {}};
+  if (const std::optional<Intrinsics> k = intrinsicsOf(v)) return CameraSource{*k, file.string(), false, {}};
   if (const std::optional<Intrinsics> k = withSize(v)) return CameraSource{*k, file.string(), false, {}};
   if (v.size() < 4) throw InputError(file.string() + ": expected four numbers 'fx fy cx cy' in pixels.");
   CameraSource camera{{0, 0, v[0], v[1], v[2], v[3]}, file.string(), false, {}};
@@ -83,11 +81,14 @@ void chooseCamera(const CameraSource& camera, double depth_units_per_metre, bool
   info.intrinsics_source = options.intrinsics ? "the given intrinsics" : camera.source;
   info.intrinsics_assumed = !options.intrinsics && camera.assumed;
   const bool other_size = k.width > 0 && k.height > 0 && (k.width != width || k.height != height);
-  if (other_size && !info.intrinsics_assumed)
+  const double stretch = other_size ? static_cast<double>(k.width) * height / k.height / width : 1;
+  const bool same_view = !options.intrinsics && camera.of_same_view && std::abs(stretch - 1) < 0.02;
+  if (other_size && !info.intrinsics_assumed && !same_view)
     throw InputError(info.intrinsics_source + ": the intrinsics are for " + sizeText(k.width, k.height) +
                      " images, but the depth images of " + info.path.string() + " are " +
                      sizeText(width, height) + "; give intrinsics for that size.");
-  if (other_size) {
+  if (same_view && other_size) k = scaledTo(k, width, height);
+  if (other_size && !same_view) {
     info.warnings.push_back(info.path.string() + ": the assumed intrinsics (" + info.intrinsics_source +
                             ") are for " + sizeText(k.width, k.height) + " images and were scaled to " +
                             sizeText(width, height) + ".");

@@ -18,7 +18,16 @@ struct CameraSource {
   std::string source;
   bool assumed = false;
   std::optional<Distortion> distortion;  ///< to be removed from the images
+  /// Values of a colour image that shows what depth shows: they are scaled to the depth images' size.
+  bool of_same_view = false;
 };
+
+/// Of the row-major matrix [fx 0 cx; 0 fy cy; 0 0 1] with three or four columns and rows, for images of any
+/// size; nothing where the numbers are no such matrix.
+std::optional<Intrinsics> intrinsicsOf(const std::vector<double>& matrix);
+
+/// The same lens on an image sampled more coarsely or finely.
+Intrinsics scaledTo(const Intrinsics& k, int width, int height);
 
 /// From `folder`/calibration.txt: fx fy cx cy, and k1 k2 p1 p2 k3 where it has eight or nine numbers, or the
 /// image's width and height before or behind them where it has six; or a camera matrix. Nothing when there is

@@ -6,6 +6,8 @@
 #include <sstream>
 #include <string_view>
 
+#include "host/datasets/npy.h"
+
 namespace rosefusion::datasets {
 namespace {
 
@@ -21,16 +23,14 @@ bool isTruncatedPng(std::string_view bytes) {
 /// What a file that is no image turns out to be, by its first bytes, and what to do; empty: nothing known.
 std::string whatItIs(std::string_view bytes) {
   constexpr const char* kExport =
-      "; depth is read from 16-bit PNG, TIFF or PGM images with one channel, so export it "
-      "as such";
+      "; depth is read from 16-bit PNG, TIFF or PGM images with one channel, and from TIFF and .npy of "
+      "floating metres, so export it as such";
   const struct {
     std::string_view begin;
     const char *what, *remedy;
   } known[] = {
-      {"\x93NUMPY", "a NumPy array", kExport},
       {"PK\x03\x04", "a ZIP archive (as NumPy's .npz is)", kExport},
       {"\x89HDF\r\n", "an HDF5 file", kExport},
-      {"\x76\x2f\x31\x01", "an OpenEXR image of floating-point numbers", kExport},
       {"MATLAB", "a MATLAB file", kExport},
       {"Pf\n", "a PFM image of floating-point numbers", kExport},
       {"ply\n", "a PLY mesh or point cloud", kExport},
@@ -73,6 +73,14 @@ bool decode(const std::filesystem::path& file, int flags, cv::Mat& image, std::s
     problem = file.string() + what;
     return false;
   }
+  if (isNpy(bytes)) {
+    image = decodedNpy(bytes);
+    if (image.empty())
+      problem = file.string() +
+                ": the NumPy array is cut short or not of one image (rows x columns of uint16, float32 or "
+                "float64); save it again.";
+    return !image.empty();
+  }
   if (isTruncatedPng(bytes)) {
     problem = file.string() + ": the PNG is truncated; copy or download it again.";
     return false;
@@ -82,7 +90,13 @@ bool decode(const std::filesystem::path& file, int flags, cv::Mat& image, std::s
   } catch (const cv::Exception&) {
     image.release();
   }
-  if (image.empty())
+  if (image.empty() && bytes.starts_with("\x76\x2f\x31\x01"))
+    problem =
+        file.string() +
+        ": is an OpenEXR image, which OpenCV reads only where the environment variable "
+        "OPENCV_IO_ENABLE_OPENEXR is 1 and its channel is named Y; set that, or export depth as TIFF or "
+        ".npy.";
+  else if (image.empty())
     problem = file.string() + ": the image is damaged and cannot be decoded; copy or download it again.";
   return !image.empty();
 }
@@ -103,10 +117,12 @@ bool hasSize(const std::filesystem::path& file, const cv::Mat& image, cv::Size e
 bool readDepthImage(const std::filesystem::path& file, cv::Size expected, cv::Mat& depth,
                     std::string& problem) {
   if (!decode(file, cv::IMREAD_UNCHANGED, depth, problem)) return false;
-  if (depth.type() != CV_16UC1) {
+  if (depth.type() == CV_64FC1) depth.convertTo(depth, CV_32F);
+  if (depth.type() != CV_16UC1 && depth.type() != CV_32FC1) {
     problem = file.string() + ": " + std::to_string(8 * depth.elemSize1()) + "-bit image with " +
               std::to_string(depth.channels()) + (depth.channels() == 1 ? " channel" : " channels") +
-              "; depth must be a 16-bit image with one channel, so export it again as a 16-bit PNG.";
+              "; depth must be a 16-bit image with one channel (or of floating metres), so export it again "
+              "as a 16-bit PNG.";
     return false;
   }
   return hasSize(file, depth, expected, problem);
@@ -115,6 +131,14 @@ bool readDepthImage(const std::filesystem::path& file, cv::Size expected, cv::Ma
 bool readColourImage(const std::filesystem::path& file, cv::Size expected, cv::Mat& colour,
                      std::string& problem) {
   return decode(file, cv::IMREAD_COLOR, colour, problem) && hasSize(file, colour, expected, problem);
+}
+
+bool readConfidence(const std::filesystem::path& file, cv::Size expected, cv::Mat& confidence,
+                    std::string& problem) {
+  if (!decode(file, cv::IMREAD_UNCHANGED, confidence, problem)) return false;
+  if (confidence.type() == CV_8UC1) return hasSize(file, confidence, expected, problem);
+  problem = file.string() + ": a confidence map must be an 8-bit image with one channel.";
+  return false;
 }
 
 }  // namespace rosefusion::datasets

@@ -17,10 +17,15 @@ class ImageSequence : public Sequence {
  private:
   void dropMissingColour();
   void sortByTime();
-  cv::Size findImageSize() const;
+  /// A depth image of the size that most have.
+  cv::Mat findTypicalImage() const;
+  void readColour(const FrameFiles& files, Frame& frame, std::string& problem) const;
 
   std::vector<FrameFiles> frames_;
   bool load_colour_ = false;
+  bool colour_scaled_ = false;
+  int least_confidence_ = 1;
+  double floats_per_metre_ = 1;  ///< of images of floating-point numbers
   std::optional<Undistortion> undistortion_;
 };
 

@@ -16,7 +16,8 @@ inline constexpr double kFramesPerSecond = 30;
 struct FrameFiles {
   double timestamp = 0;
   std::filesystem::path depth;
-  std::filesystem::path colour;  ///< empty when the frame has none
+  std::filesystem::path colour;      ///< empty when the frame has none
+  std::filesystem::path confidence;  ///< 8-bit map of how far the sensor trusts each depth; empty: none
 };
 
 struct Listing {
@@ -26,6 +27,8 @@ struct Listing {
   CameraSource camera;
   double depth_units_per_metre = 0;
   bool depth_units_assumed = true;  ///< by the format's convention, rather than read from a file
+  int least_confidence = 1;         ///< depths of less are left out, where frames have a map
+  bool colour_scaled = false;       ///< colour shows what depth shows at another size, to which it is brought
   double seconds_per_stamp = 1;
   Trajectory truth;
   std::vector<std::string> notes;
@@ -47,6 +50,9 @@ extern const Reader kTumReader;
 extern const Reader kSevenScenesReader;
 extern const Reader kReplicaReader;
 extern const Reader kFastCaMoReader;
+extern const Reader kOpen3dReader;
+extern const Reader kScanNetReader;
+extern const Reader kStrayReader;
 
 /// Layout shared by TUM RGB-D and ETH3D: depth.txt, rgb.txt, associations, groundtruth.txt. `camera` is what
 /// to use without a calibration.txt.
@@ -60,5 +66,11 @@ std::unique_ptr<Sequence> openPackedSeq(const std::filesystem::path& file, const
 /// A ROS recording (.bag, .db3, .mcap): the depth images of one topic, and colour where it is of their size.
 /// Throws InputError for files that cannot be read and recordings without depth images.
 std::unique_ptr<Sequence> openRosRecording(const std::filesystem::path& file, const SequenceOptions& options);
+
+/// ScanNet's .sens, ElasticFusion's .klg and Record3D's .r3d. One that was cut is read up to there, with a
+/// warning. Throws InputError for files that are none, and where not one depth image can be read.
+std::unique_ptr<Sequence> openSens(const std::filesystem::path& file, const SequenceOptions& options);
+std::unique_ptr<Sequence> openKlg(const std::filesystem::path& file, const SequenceOptions& options);
+std::unique_ptr<Sequence> openRecord3d(const std::filesystem::path& file, const SequenceOptions& options);
 
 }  // namespace rosefusion::datasets

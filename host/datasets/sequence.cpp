@@ -4,6 +4,7 @@
 #include <array>
 
 #include "host/core/error.h"
+#include "host/core/number_text.h"
 #include "host/datasets/image_sequence.h"
 #include "host/datasets/text_table.h"
 
@@ -15,9 +16,9 @@ using namespace datasets;
 
 /// The first that matches reads the folder, so the more special layouts come first; TUM takes any association
 /// file.
-const std::array<const Reader*, 7> kReaders{&kPngFolderReader, &kEth3dReader, &kIclNuimReader,
-                                            &kFastCaMoReader,  &kTumReader,   &kSevenScenesReader,
-                                            &kReplicaReader};
+const std::array<const Reader*, 10> kReaders{
+    &kPngFolderReader,   &kEth3dReader,   &kIclNuimReader, &kFastCaMoReader, &kTumReader,
+    &kSevenScenesReader, &kReplicaReader, &kStrayReader,   &kScanNetReader,  &kOpen3dReader};
 
 const Reader* findReader(const fs::path& folder) {
   const auto found = std::find_if(kReaders.begin(), kReaders.end(),
@@ -25,19 +26,26 @@ const Reader* findReader(const fs::path& folder) {
   return found == kReaders.end() ? nullptr : *found;
 }
 
-bool isRecording(const fs::path& file) {
-  const std::string ending = file.extension().string();
-  return ending == ".seq" || ending == ".bag" || ending == ".db3" || ending == ".mcap";
+using OpenRecording = std::unique_ptr<Sequence> (*)(const fs::path&, const SequenceOptions&);
+
+/// What reads a file of this ending; null: nothing does.
+OpenRecording openerOf(const fs::path& file) {
+  const std::string ending = lowered(file.extension().string());
+  if (ending == ".seq") return openPackedSeq;
+  if (ending == ".sens") return openSens;
+  if (ending == ".klg") return openKlg;
+  if (ending == ".r3d") return openRecord3d;
+  if (ending == ".bag" || ending == ".db3" || ending == ".mcap") return openRosRecording;
+  return nullptr;
 }
 
-std::unique_ptr<Sequence> openRecording(const fs::path& file, const SequenceOptions& options) {
-  return file.extension() == ".seq" ? openPackedSeq(file, options) : openRosRecording(file, options);
-}
+constexpr const char* kRecordings =
+    "a recording in one file (.bag, .db3, .mcap, .sens, .klg, .r3d, FastCaMo's .seq)";
 
 std::vector<fs::path> recordingsIn(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && isRecording(entry.path()) && !isHidden(entry.path()))
+    if (entry.is_regular_file() && openerOf(entry.path()) && !isHidden(entry.path()))
       files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
@@ -56,7 +64,7 @@ fs::path usableSubfolder(const fs::path& folder) {
   if (const fs::path inner = usableSubfolder(folder); !inner.empty())
     throw InputError(folder.string() + ": holds no sequence itself; give a folder in it, such as " +
                      inner.string() + ".");
-  std::string looked_for = "a packed .seq file (FastCaMo), a ROS recording (.bag, .db3, .mcap)";
+  std::string looked_for = kRecordings;
   for (const Reader* reader : kReaders) looked_for += std::string(", ") + reader->looks_for;
   throw InputError(folder.string() + ": no known sequence layout; looked for " + looked_for +
                    "; write a sequence.yaml beside the images to use other layouts.");
@@ -68,11 +76,9 @@ std::unique_ptr<Sequence> openSequence(const fs::path& path, const SequenceOptio
   try {
     if (!fs::exists(path)) throw InputError(path.string() + ": no such file or folder; check the path.");
     if (!fs::is_directory(path)) {
-      if (isRecording(path)) return openRecording(path, options);
-      throw InputError(
-          path.string() +
-          ": is a file; give the sequence's folder, a packed .seq file, or a ROS recording (.bag, "
-          ".db3, .mcap).");
+      if (const OpenRecording open = openerOf(path)) return open(path, options);
+      throw InputError(path.string() + ": is a file of an unknown kind; give the sequence's folder, or " +
+                       kRecordings + ".");
     }
     if (fs::is_empty(path))
       throw InputError(path.string() + ": the folder is empty; check that the data was unpacked here.");
@@ -82,7 +88,7 @@ std::unique_ptr<Sequence> openSequence(const fs::path& path, const SequenceOptio
     if (recordings.size() > 1)
       throw InputError(path.string() + ": holds " + std::to_string(recordings.size()) +
                        " recordings; give one of them, such as " + recordings[0].string() + ".");
-    if (recordings.size() == 1) return openRecording(recordings[0], options);
+    if (recordings.size() == 1) return openerOf(recordings[0])(recordings[0], options);
   } catch (const fs::filesystem_error& error) {
     throw InputError(path.string() + ": cannot be read (" + error.code().message() +
                      "); check the permissions.");

@@ -51,18 +51,18 @@ class Sequence {
   /// Reads frame `index` < size(). False when its depth is unusable (missing, truncated, 8-bit, of another
   /// size): `problem` is then one sentence that names the file, and the caller should warn and go on with the
   /// next frame. True with a non-empty `problem`: the depth is good but its colour could not be read and is
-  /// left empty.
+  /// left empty, or its confidence map could not be read and all of it is taken.
   virtual bool read(std::size_t index, Frame& frame, std::string& problem) = 0;
 
  protected:
   SequenceInfo info_;
 };
 
-/// Opens a folder (or a packed .seq file or a ROS recording: .bag, .db3, .mcap), choosing the reader by what
-/// lies in it: TUM RGB-D, ETH3D SLAM, ICL-NUIM, 7-Scenes, Replica (NICE-SLAM), FastCaMo, or PNGs described by
-/// a sequence.yaml, which wins over all others. Throws InputError for a missing, empty or unknown folder (the
-/// sentence lists what was looked for), an unreadable list, implausible intrinsics, or when not one of its
-/// depth images can be read.
+/// Opens a folder (or a recording in one file: .bag, .db3, .mcap, .sens, .klg, .r3d, .seq), choosing the
+/// reader by what lies in it: TUM RGB-D, ETH3D SLAM, ICL-NUIM, 7-Scenes, Replica (NICE-SLAM), FastCaMo, Stray
+/// Scanner, ScanNet, Open3D, or PNGs described by a sequence.yaml, which wins over all others. Throws
+/// InputError for a missing, empty or unknown folder (the sentence lists what was looked for), an unreadable
+/// list, implausible intrinsics, or when not one of its depth images can be read.
 std::unique_ptr<Sequence> openSequence(const std::filesystem::path& path,
                                        const SequenceOptions& options = {});
 

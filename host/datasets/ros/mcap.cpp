@@ -4,9 +4,9 @@
 #include <map>
 
 #include "host/core/error.h"
-#include "host/datasets/ros/byte_reader.h"
-#include "host/datasets/ros/compression.h"
-#include "host/datasets/ros/file_bytes.h"
+#include "host/datasets/byte_reader.h"
+#include "host/datasets/compression.h"
+#include "host/datasets/file_bytes.h"
 #include "host/datasets/ros/message_file.h"
 
 namespace rosefusion::datasets {

@@ -57,11 +57,6 @@ const std::byte* rowOf(const Image& image, std::uint32_t row, std::size_t pixel_
   return image.data.data() + begin;
 }
 
-std::uint16_t unitsOf(float metres) {
-  const double units = std::round(metres * kUnitsOfMetres);
-  return units > 0 && units <= 65535 ? static_cast<std::uint16_t>(units) : 0;  // NaN is not > 0
-}
-
 template <typename T>
 T swapped(T value) {
   auto* bytes = reinterpret_cast<unsigned char*>(&value);
@@ -119,7 +114,8 @@ std::optional<DepthMessage> compressedDepthOf(const Compressed& image) {
   for (int v = 0; v < png.rows; ++v)
     for (int u = 0; u < png.cols; ++u) {
       const float inverse = png.at<std::uint16_t>(v, u);
-      depth.at<std::uint16_t>(v, u) = inverse > 0 ? unitsOf(a / (inverse - b)) : std::uint16_t(0);
+      depth.at<std::uint16_t>(v, u) =
+          inverse > 0 ? unitsOf(static_cast<double>(a / (inverse - b))) : std::uint16_t(0);
     }
   return DepthMessage{depth, true};
 }
@@ -179,7 +175,8 @@ std::optional<DepthMessage> depthOf(std::span<const std::byte> message, bool cdr
   const Image image = imageOf(reader, cdr);
   if (image.encoding == "16UC1" || image.encoding == "mono16" || image.encoding == "Z16")
     return DepthMessage{depthFrom<std::uint16_t>(image, [](std::uint16_t value) { return value; }), false};
-  if (image.encoding == "32FC1") return DepthMessage{depthFrom<float>(image, unitsOf), true};
+  if (image.encoding == "32FC1")
+    return DepthMessage{depthFrom<float>(image, [](float metres) { return unitsOf(metres); }), true};
   return {};
 }
 

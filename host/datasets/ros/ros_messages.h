@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "host/datasets/ros/byte_reader.h"
+#include "host/datasets/byte_reader.h"
+#include "host/datasets/float_depth.h"
 
 namespace rosefusion::datasets {
 
@@ -31,10 +32,7 @@ std::string textOf(std::span<const std::byte> message, bool cdr);
 /// std_msgs/Float32.
 float floatOf(std::span<const std::byte> message, bool cdr);
 
-/// Of a depth image in sensor_msgs/Image (16UC1, mono16, 32FC1) or sensor_msgs/CompressedImage
-/// (compressedDepth): its units where it is of floating metres, nothing where it is of 16 bits.
-inline constexpr double kUnitsOfMetres = 5000;  ///< 0.2 mm, up to 13 m
-
+/// Of sensor_msgs/Image (16UC1, mono16, 32FC1) or sensor_msgs/CompressedImage (compressedDepth).
 struct DepthMessage {
   cv::Mat depth;        ///< CV_16UC1
   bool metres = false;  ///< it was of floating metres: kUnitsOfMetres a metre

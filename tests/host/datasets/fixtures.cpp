@@ -1,11 +1,14 @@
 #include "tests/host/datasets/fixtures.h"
 
+#include <gmock/gmock.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
+#include <random>
 
 #include "host/core/error.h"
 #include "host/datasets/sequence.h"
@@ -97,6 +100,52 @@ std::string openingError(const fs::path& path) {
   }
   ADD_FAILURE() << path << " should not open";
   return {};
+}
+
+std::string fileBytes(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+namespace {
+
+bool readAll(const fs::path& file) {
+  SequenceOptions options;
+  options.colour = true;
+  try {
+    const auto sequence = openSequence(file, options);
+    Frame frame;
+    std::string problem;
+    for (std::size_t i = 0; i < sequence->size(); ++i)
+      EXPECT_TRUE(sequence->read(i, frame, problem) || !problem.empty());
+    return true;
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr(file.filename().string()));
+    return false;
+  }
+}
+
+}  // namespace
+
+int openDamagedVariants(const fs::path& recording) {
+  const TemporaryFolder folder;
+  const std::string whole = fileBytes(recording), name = "damaged" + recording.extension().string();
+  std::mt19937 random(1);
+  int opened = 0;
+  for (int i = 0; i < 1000; ++i) {
+    std::string bytes = whole;
+    const auto at = [&] { return random() % bytes.size(); };
+    if (i % 3 == 0) bytes.resize(at());
+    if (i % 3 == 1)
+      for (int k = 0; k < 8; ++k) bytes[at()] = static_cast<char>(random());
+    if (i % 3 == 2 && bytes.size() > 8) {  // a size that lies
+      const std::uint32_t lie = random();
+      std::memcpy(bytes.data() + random() % (bytes.size() - 4), &lie, 4);
+    }
+    folder.write(name, bytes);
+    opened += readAll(folder.path() / name);
+  }
+  return opened;
 }
 
 }  // namespace rosefusion::test

@@ -46,4 +46,11 @@ void makeTum(const TemporaryFolder& folder, int width = kWidth, int height = kHe
 /// The text of InputError that opening `path` ends in; fails the test when it opens.
 std::string openingError(const std::filesystem::path& path);
 
+/// All bytes of a file.
+std::string fileBytes(const std::filesystem::path& file);
+
+/// Opens and reads 1000 damaged variants of a recording in one file: cut, with changed bytes, with sizes that
+/// lie. Whatever happens must be a sentence that names the file. How many of them opened.
+int openDamagedVariants(const std::filesystem::path& recording);
+
 }  // namespace rosefusion::test

@@ -1,11 +1,12 @@
-#include "host/datasets/ros/compression.h"
+#include "host/datasets/compression.h"
 
 #include <lz4frame.h>
+#include <zlib.h>
 #include <zstd.h>
 
 #include <memory>
 
-#include "host/datasets/ros/byte_reader.h"
+#include "host/datasets/byte_reader.h"
 
 namespace rosefusion::datasets {
 
@@ -32,6 +33,16 @@ std::vector<std::byte> unpackedZstd(std::span<const std::byte> packed, std::uint
   std::vector<std::byte> out(size);
   const std::size_t written = ZSTD_decompress(out.data(), out.size(), packed.data(), packed.size());
   if (ZSTD_isError(written)) throw EndOfBytes();
+  out.resize(written);
+  return out;
+}
+
+std::vector<std::byte> unpackedZlib(std::span<const std::byte> packed, std::uint64_t size) {
+  std::vector<std::byte> out(size);
+  uLongf written = size;
+  if (uncompress(reinterpret_cast<Bytef*>(out.data()), &written,
+                 reinterpret_cast<const Bytef*>(packed.data()), packed.size()) != Z_OK)
+    throw EndOfBytes();
   out.resize(written);
   return out;
 }

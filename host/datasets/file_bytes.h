@@ -4,7 +4,7 @@
 #include <fstream>
 #include <vector>
 
-#include "host/datasets/ros/byte_reader.h"
+#include "host/datasets/byte_reader.h"
 
 namespace rosefusion::datasets {
 
