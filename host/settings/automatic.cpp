@@ -9,7 +9,7 @@
 namespace rosefusion {
 namespace {
 
-constexpr double kRoomVoxel = 0.02, kRoomTruncation = 0.06;
+constexpr double kRoomVoxel = 0.02;
 // Where the view is smaller than a room's: the step nearest to this share of its width at the median depth.
 // In rooms finer voxels cost time and bring nothing (tests/bench/notes/sensors.md#voxel-size).
 constexpr double kVoxelsAcross = 80;
@@ -19,6 +19,10 @@ constexpr double kSteps[] = {0.0025, 0.005, 0.01, 0.02, 0.04, 0.08};
 // A fine voxel's truncation has to hold the noise and the motion of a frame, which do not shrink as the voxel
 // does.
 constexpr double kFineTruncation = 4, kTruncation = 3;  // voxels
+// The far depths of one surface must meet in what is truncated around it, or a model of one image has none.
+constexpr double kFarDeviations = 1.4;
+// Finer voxels hold nothing but noise.
+constexpr double kDeviationsOfVoxel = 0.8;
 // More than so many times another deviation is another sensor's.
 const double kAnotherSensor = std::log2(2.5);
 
@@ -29,20 +33,23 @@ double nearestStep(double size) {
   });
 }
 
-double voxelFor(const SceneMeasures& scene) {
+double voxelFor(const SceneMeasures& scene, const DepthSettings& depth) {
   const double across = scene.view_width * scene.median_depth / kVoxelsAcross;
-  const double least = std::max(scene.view_width * scene.far_depth / kMostAcrossFar,
-                                kPixelsOfVoxel * scene.pixel_width * scene.median_depth);
+  const double least =
+      std::max({scene.view_width * scene.far_depth / kMostAcrossFar,
+                kPixelsOfVoxel * scene.pixel_width * scene.median_depth,
+                std::min(kDeviationsOfVoxel * depth.deviationAt(scene.median_depth), 2 * kRoomVoxel)});
   return std::max(std::min(nearestStep(across), kRoomVoxel), nearestStep(least));
 }
 
 /// The model nearest to what was measured; none where nothing was, or none is near.
 const SensorModel* nearestModel(const SceneMeasures& scene) {
-  if (scene.phone) return sensorModel(Sensor::kIphone);
+  if (scene.phone) return sensorModel(DepthSensor::kIphone);
   const SensorModel* nearest = nullptr;
   double least = kAnotherSensor;
   for (const SensorModel& model : sensorModels()) {
-    const std::optional<double> off = model.sensor == Sensor::kIphone ? std::nullopt : misfit(model, scene);
+    const std::optional<double> off =
+        model.sensor == DepthSensor::kIphone ? std::nullopt : misfit(model, scene);
     if (!off || *off >= least) continue;
     least = *off;
     nearest = &model;
@@ -62,7 +69,7 @@ void take(const SensorModel& model, Settings& settings) {
 
 bool hasAutomatic(const Settings& settings) {
   return settings.volume.voxel_size == 0 || settings.volume.truncation == 0 ||
-         settings.depth.sensor != Sensor::kGiven;
+         settings.depth.sensor != DepthSensor::kGiven;
 }
 
 std::optional<double> misfit(const SensorModel& model, const SceneMeasures& scene) {
@@ -74,18 +81,19 @@ std::optional<double> misfit(const SensorModel& model, const SceneMeasures& scen
 }
 
 Settings resolved(Settings settings, const std::optional<SceneMeasures>& scene) {
+  if (const SensorModel* named = sensorModel(settings.depth.sensor)) take(*named, settings);
+  if (settings.depth.sensor == DepthSensor::kAuto && scene)
+    if (const SensorModel* nearest = nearestModel(*scene)) take(*nearest, settings);
+  const double far_deviation = scene ? settings.depth.deviationAt(scene->far_depth) : 0;
   VolumeSettings& volume = settings.volume;
-  if (volume.voxel_size == 0 && volume.truncation > 0)
-    volume.voxel_size = std::min(scene ? voxelFor(*scene) : kRoomVoxel, volume.truncation / 2);
-  if (volume.voxel_size == 0) volume.voxel_size = scene ? voxelFor(*scene) : kRoomVoxel;
+  if (volume.voxel_size == 0) {
+    volume.voxel_size = scene ? voxelFor(*scene, settings.depth) : kRoomVoxel;
+    if (volume.truncation > 0) volume.voxel_size = std::min(volume.voxel_size, volume.truncation / 2);
+  }
   if (volume.truncation == 0)
     volume.truncation =
-        volume.voxel_size == kRoomVoxel
-            ? kRoomTruncation
-            : (volume.voxel_size < kRoomVoxel ? kFineTruncation : kTruncation) * volume.voxel_size;
-  if (const SensorModel* named = sensorModel(settings.depth.sensor)) take(*named, settings);
-  if (settings.depth.sensor == Sensor::kAuto && scene)
-    if (const SensorModel* nearest = nearestModel(*scene)) take(*nearest, settings);
+        std::max((volume.voxel_size < kRoomVoxel ? kFineTruncation : kTruncation) * volume.voxel_size,
+                 std::ceil(100 * kFarDeviations * far_deviation) / 100);
   return settings;
 }
 
@@ -99,7 +107,7 @@ std::vector<std::string> choicesOf(const Settings& asked, const Settings& taken,
         "than %.2f m (volume.voxel_size).",
         100 * taken.volume.voxel_size, 100 * taken.volume.truncation, scene->median_depth, scene->far_depth));
   const SensorModel* model = sensorModel(taken.depth.sensor);
-  if (asked.depth.sensor == Sensor::kAuto)
+  if (asked.depth.sensor == DepthSensor::kAuto)
     said.push_back(
         model ? printed("The depth's noise is like that of a %s (depth.sensor, --sensor).", model->name)
         : scene->flat.empty()

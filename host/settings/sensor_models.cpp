@@ -11,13 +11,13 @@ namespace {
 // Time of flight (Kinect v2, Azure, L515) hardly grows with depth, and is off by millimetres that no average
 // takes out. A phone's depths are interpolated from some hundred: smooth, and off together.
 constexpr SensorModel kModels[] = {
-    {Sensor::kKinect1, "kinect1", 0.005, 0.0019, 0.003, 0.0004, 0.0012},
-    {Sensor::kKinect2, "kinect2", 0.004, 0.0006, 0.002, 0.0012, 0.0003},
-    {Sensor::kAzure, "azure", 0.004, 0.0005, 0.002, 0.0011, 0.0002},
-    {Sensor::kD400, "d400", 0.003, 0.0060, 0.003, 0.0005, 0.0032},
-    {Sensor::kL515, "l515", 0.003, 0.0005, 0.001, 0.0015, 0.0003},
-    {Sensor::kF200, "f200", 0.002, 0.0020, 0.003, 0.0009, 0.0008},
-    {Sensor::kIphone, "iphone", 0.008, 0.0015, 0.004, 0.0015, 0.0005},
+    {DepthSensor::kKinect1, "kinect1", 0.005, 0.0019, 0.003, 0.0004, 0.0012},
+    {DepthSensor::kKinect2, "kinect2", 0.004, 0.0006, 0.002, 0.0012, 0.0003},
+    {DepthSensor::kAzure, "azure", 0.004, 0.0005, 0.002, 0.0011, 0.0002},
+    {DepthSensor::kD400, "d400", 0.003, 0.0060, 0.003, 0.0005, 0.0032},
+    {DepthSensor::kL515, "l515", 0.003, 0.0005, 0.001, 0.0015, 0.0003},
+    {DepthSensor::kF200, "f200", 0.002, 0.0020, 0.003, 0.0009, 0.0008},
+    {DepthSensor::kIphone, "iphone", 0.008, 0.0015, 0.004, 0.0015, 0.0005},
 };
 
 }  // namespace
@@ -26,7 +26,7 @@ std::span<const SensorModel> sensorModels() {
   return kModels;
 }
 
-const SensorModel* sensorModel(Sensor sensor) {
+const SensorModel* sensorModel(DepthSensor sensor) {
   const auto found = std::find_if(std::begin(kModels), std::end(kModels),
                                   [&](const SensorModel& model) { return model.sensor == sensor; });
   return found == std::end(kModels) ? nullptr : &*found;

@@ -5,7 +5,7 @@
 namespace rosefusion {
 
 /// Of depth.sensor.
-enum class Sensor {
+enum class DepthSensor {
   kGiven,  ///< depth.noise_floor, noise_growth and bias_growth, and refine.model_noise, are as they are set
   kAuto,   ///< that of the list below whose noise the first images show
   kKinect1,
@@ -19,7 +19,7 @@ enum class Sensor {
 
 /// Lengths in metres, of a depth z in metres.
 struct SensorModel {
-  Sensor sensor;
+  DepthSensor sensor;
   const char* name;  ///< as depth.sensor has it
   /// Depths of one pixel: noise_floor + noise_growth (z - 0.4)^2, what calibration leaves included; and
   /// bias_growth z^2 that the depths of a surface share.
@@ -34,6 +34,6 @@ struct SensorModel {
 /// All that are known (tests/bench/notes/sensors.md#sensor-models).
 std::span<const SensorModel> sensorModels();
 /// Null for kGiven and kAuto.
-const SensorModel* sensorModel(Sensor sensor);
+const SensorModel* sensorModel(DepthSensor sensor);
 
 }  // namespace rosefusion

@@ -22,7 +22,7 @@ struct DepthSettings {
   double noise_floor = 0.005;
   double noise_growth = 0;
   double bias_growth = 0;
-  Sensor sensor = Sensor::kGiven;  ///< where it names one, the three before it are that one's; resolved()
+  DepthSensor sensor = DepthSensor::kGiven;  ///< where it names one, the three before it are that one's; resolved()
   bool footprint = false;
 
   /// Standard deviation of a depth, metres, without what a surface's share.

@@ -82,7 +82,7 @@ std::vector<SettingsField> makeTable() {
           "growth with depth^2 of what the depths of a surface are off together, as by calibration, which "
           "no average takes out; 0: none",
           [](Settings & s) -> auto& { return s.depth.bias_growth; }),
-      choice<Sensor>(
+      choice<DepthSensor>(
           "depth.sensor", sensorWords(),
           "whose noise the depths have: that of a camera; auto, of the one that the first images look like; "
           "given, as "

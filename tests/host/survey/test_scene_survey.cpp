@@ -59,10 +59,10 @@ TEST(SceneSurvey, DepthsAndNoiseAreMeasured) {
 }
 
 TEST(SceneSurvey, TheSensorIsKnownByItsNoise) {
-  EXPECT_EQ(resolved(automatic(), survey(floorFrom(1, kinect))).depth.sensor, Sensor::kKinect1);
-  EXPECT_EQ(resolved(automatic(), survey(floorFrom(1, stereo))).depth.sensor, Sensor::kD400);
+  EXPECT_EQ(resolved(automatic(), survey(floorFrom(1, kinect))).depth.sensor, DepthSensor::kKinect1);
+  EXPECT_EQ(resolved(automatic(), survey(floorFrom(1, stereo))).depth.sensor, DepthSensor::kD400);
   const Settings stereo_settings = resolved(automatic(), survey(floorFrom(1, stereo)));
-  EXPECT_EQ(stereo_settings.depth.noise_growth, sensorModel(Sensor::kD400)->noise_growth);
+  EXPECT_EQ(stereo_settings.depth.noise_growth, sensorModel(DepthSensor::kD400)->noise_growth);
   EXPECT_EQ(stereo_settings.refine.model_noise, 2 * stereo_settings.depth.noise_floor);
 }
 
@@ -88,8 +88,14 @@ TEST(SceneSurvey, VoxelsFollowTheSizeOfTheView) {
   EXPECT_EQ(voxel(0.25).voxel_size, 0.005);
   EXPECT_EQ(voxel(0.25).truncation, 0.02);
   EXPECT_EQ(voxel(1).voxel_size, 0.02);
-  EXPECT_EQ(voxel(2).voxel_size, 0.02);
-  EXPECT_EQ(voxel(2).truncation, 0.06);
+  EXPECT_EQ(voxel(1.5).voxel_size, 0.02);
+  EXPECT_EQ(voxel(1.5).truncation, 0.06);
+}
+
+TEST(SceneSurvey, NoisyDepthsAreTruncatedFartherOff) {
+  const VolumeSettings noisy = resolved(automatic(), survey(floorFrom(1.5, stereo))).volume;
+  EXPECT_EQ(noisy.voxel_size, 0.02);
+  EXPECT_GE(noisy.truncation, 0.1);
 }
 
 TEST(SceneSurvey, AThingCutOutIsAsSmallAsItIs) {
@@ -104,7 +110,7 @@ TEST(SceneSurvey, APhonesImagesHaveItsNoiseAndNoVoxelFinerThanAPixel) {
   const Intrinsics phone{256, 192, 212, 212, 127.5, 95.5};
   cv::Mat depth(phone.height, phone.width, CV_16UC1, cv::Scalar(0.6 * kUnits));
   const Settings taken = resolved(automatic(), survey(depth, phone));
-  EXPECT_EQ(taken.depth.sensor, Sensor::kIphone);
+  EXPECT_EQ(taken.depth.sensor, DepthSensor::kIphone);
   EXPECT_GE(taken.volume.voxel_size, 0.8 * 0.6 / phone.fx) << "the nearest step";
 }
 
@@ -115,7 +121,7 @@ TEST(SceneSurvey, WhatIsGivenStays) {
   const Settings taken = resolved(asked, survey(floorFrom(0.3, stereo)));
   EXPECT_EQ(taken.volume.voxel_size, 0.013);
   EXPECT_EQ(taken.depth.noise_floor, 0.0077) << "a noise set by hand outweighs 'auto'";
-  EXPECT_EQ(taken.depth.sensor, Sensor::kGiven);
+  EXPECT_EQ(taken.depth.sensor, DepthSensor::kGiven);
 }
 
 TEST(SceneSurvey, NothingInViewIsNoScene) {
