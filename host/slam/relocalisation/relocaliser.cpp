@@ -61,18 +61,17 @@ void Relocaliser::rebase(std::span<const Pose> keyframes) {
 }
 
 TrackResult Relocaliser::find(const PreprocessPass& frame, const cv::Mat& depth, const Volume& volume,
-                              const CoarseMap& coarse, const KnownFreeSpace& free_space, double timestamp) {
+                              const CoarseMap& coarse, const KnownFreeSpace& free_space,
+                              const TrackHistory& before, double timestamp, const SearchObserver& observer) {
   // Where it is expected is followed, whatever the keyframes' surroundings promise.
-  auto [centres, followed] = tracker_.expectedPoses(timestamp);
+  auto [centres, followed] = before.expectedPoses(timestamp);
   for (std::size_t i = 0; i < std::min(kSearchedAtOnce, keyframes_.size()); ++i)
     centres.push_back(keyframes_[searched_++ % keyframes_.size()]);
-  SwarmSearch& search = tracker_.swarmSearch();
-  PoseRefiner& refiner = tracker_.refiner();
-  const std::vector<Pose> more = alignCoarsely(refiner, settings_.refine, frame, coarse.volume(),
-                                               likelyHypotheses(coarse, free_space, depth));
-  TrackResult found = searchAround(search, refiner, settings_.refine, frame, volume, centres, followed,
-                                   tracker_.observer(), more);
-  searchAlongNormals(refiner, settings_.refine, volume, found);
+  const std::vector<Pose> more =
+      alignCoarsely(refiner_, settings_, frame, coarse.volume(), likelyHypotheses(coarse, free_space, depth));
+  TrackResult found =
+      searchAround(search_, refiner_, settings_, frame, volume, centres, followed, observer, more);
+  searchAlongNormals(refiner_, settings_, volume, found);
   return found;
 }
 
