@@ -9,7 +9,7 @@
 #include "host/settings/automatic.h"
 #include "host/slam/baselines/pose_methods.h"
 #include "host/slam/device_sums.h"
-#include "host/slam/mapping/depth_holes.h"
+#include "host/slam/mapping/depth_image.h"
 
 namespace rosefusion {
 namespace {
@@ -49,14 +49,12 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
       intrinsics_(intrinsics),
       depth_units_per_metre_(depth_units_per_metre),
       recorder_(device),
-      volume_(device, volumeOptions(settings_.volume)),
       fuser_(device, settings_, intrinsics, depth_units_per_metre),
       search_(device, settings_, intrinsics, templatesFor(settings_, log)),
       refiner_(device, settings_, intrinsics),
       method_(makePoseMethod(device, settings_, intrinsics, search_, refiner_)),
       relocaliser_(settings_.refine, search_, refiner_),
-      free_space_(intrinsics, settings_.depth, depth_units_per_metre),
-      coarse_map_(device, settings_, intrinsics, depth_units_per_metre) {
+      map_(device, settings_, intrinsics) {
   const std::filesystem::path cache = defaultTemplateCache({}).parent_path();
   sumsAreExact(
       cache.empty() ? cache : cache / "compensated_sums.txt", device.info(),
@@ -80,15 +78,10 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
 }
 
 void Pipeline::clear() {
-  volume_.clear();
+  map_.clear();
   state_ = Initialising{};
-  relocaliser_.rebase({});
-  free_space_ = KnownFreeSpace(intrinsics_, settings_.depth, depth_units_per_metre_);
-  coarse_map_.clear();
-  coarse_map_stale_ = false;
   if (loops_)
     loops_ = makeLoopCloser(device_, settings_, intrinsics_, depth_units_per_metre_, search_.templates());
-  frames_with_pose_ = 0;
   inlier_statistics_ = {};
 }
 
@@ -97,7 +90,7 @@ void Pipeline::weighStart(const Frame& frame, FrameResult& result) {
   const auto met = [&](const FrameResult& r) {
     return told * (r.fit ? r.fit->inlier_ratio : 1 - r.score.residual);
   };
-  if (result.fused && frames_with_pose_ == 1) return start_.begin(frame, told);
+  if (result.fused && result.number == 0U) return start_.begin(frame, told);
   if (result.fused) return start_.confirm(met(result));
   if (result.status != TrackingStatus::Lost) return;
   const std::optional<ModelStart::Candidate> rival = start_.rival(frame, told);
@@ -148,15 +141,11 @@ void Pipeline::preprocess(const Frame& frame, FrameResult& result) {
   const StageTimer timer(result.milliseconds.preprocess);
   fuser_.recordFrame(recorder_, frame);
   recorder_.submit();
-  host_depth_ = hostDepth(frame.depth);
-}
-
-cv::Mat Pipeline::hostDepth(const cv::Mat& depth) const {
-  return settings_.depth.footprint ? withSmallHolesFilled(depth) : depth;
+  metres_ = depthInMetres(frame.depth, settings_.depth, depth_units_per_metre_);
 }
 
 PoseScore Pipeline::scoreAt(const Pose& world_from_camera) {
-  return search_.score(fuser_.frame(), volume_, world_from_camera, historyOf(state_).last);
+  return search_.score(fuser_.frame(), map_.volume, world_from_camera, historyOf(state_).last);
 }
 
 FrameEvidence Pipeline::examine(const Frame& frame, FrameResult& result) {
@@ -169,23 +158,22 @@ FrameEvidence Pipeline::examine(const Frame& frame, FrameResult& result) {
   const Thresholds limits = thresholds();
   if (out.score.valid_share < limits.min_valid_share) return out;
   const bool lost = std::holds_alternative<Lost>(state_);
-  if (lost && std::exchange(coarse_map_stale_, false)) loops_->rebuild(coarse_map_.volume());
+  if (lost) map_.coarse.refresh([this](Volume& coarse) { loops_->rebuild(coarse); });
   const TrackHistory& history = historyOf(state_);
-  out.found = lost ? relocaliser_.find(fuser_.frame(), host_depth_, volume_, coarse_map_, free_space_,
-                                       history, frame.timestamp, observer_)
-                   : method_->track(fuser_.frame(), volume_, history, frame.timestamp, observer_);
+  out.found = lost ? relocaliser_.find(fuser_.frame(), metres_, map_, history, frame.timestamp, observer_)
+                   : method_->track(fuser_.frame(), map_.volume, history, frame.timestamp, observer_);
   if (!mustVerify(state_, *out.found, frame.timestamp, limits)) {
     out.score = scoreAt(out.found->world_from_camera);
     if (judge(out.score, limits).status != TrackingStatus::Lost)
-      out.violation = free_space_.violationOfLast(host_depth_, out.found->world_from_camera);
+      out.violation = map_.free_space.violationOfLast(metres_, out.found->world_from_camera);
     return out;
   }
   const bool followed = std::holds_alternative<Tracking>(state_);
-  out.verified = verifyPose(settings_, free_space_, host_depth_, *out.found,
+  out.verified = verifyPose(settings_, map_.free_space, metres_, *out.found,
                             isUnsure(state_, *out.found, frame.timestamp, limits),
                             inlier_statistics_.thresholds(!followed, limits.intruding_share));
   const PoseFit& fit = out.verified ? out.verified->fit : *out.found->fit;
-  out.violation = free_space_.violation(host_depth_, fit.world_from_camera);
+  out.violation = map_.free_space.violation(metres_, fit.world_from_camera);
   return out;
 }
 
@@ -206,43 +194,43 @@ void Pipeline::report(const FrameEvidence& evidence, const Decision& decision, F
 
 void Pipeline::integrate(FrameResult& result) {
   const StageTimer timer(result.milliseconds.integrate);
-  fuser_.fuse(recorder_, volume_, result.world_from_camera);
-  free_space_.keep(host_depth_, result.world_from_camera, frames_with_pose_);
+  fuser_.fuse(recorder_, map_.volume, result.world_from_camera);
   if (result.fit) inlier_statistics_.add(*result.fit);
-  if (becomesKeyframe(result.world_from_camera))
-    coarse_map_.add(fuser_, recorder_, host_depth_, result.world_from_camera, frames_with_pose_);
+  const std::size_t number = map_.trajectory.size();
+  map_.keyframes.setLast(metres_, result.world_from_camera, number);
+  if (becomesKeyframe(result.world_from_camera)) map_.coarse.add(fuser_, recorder_, result.world_from_camera);
 }
 
 void Pipeline::closeLoops(const Frame& frame, FrameResult& result) {
-  ++frames_with_pose_;
+  result.number = map_.trajectory.size();
+  map_.trajectory.push_back({result.timestamp, result.world_from_camera});
   if (!loops_) return;
   const StageTimer timer(result.milliseconds.loops);
-  result.loop = loops_->add(frame, fuser_.frame(), result.world_from_camera, result.fused,
+  result.loop = loops_->add(frame, metres_, fuser_.frame(), result.world_from_camera, result.fused,
                             result.status == TrackingStatus::Tracked);
   if (!result.loop) return;
-  loops_->rebuild(volume_);
-  const std::vector<Pose> poses = loops_->framePoses();
-  result.world_from_camera = poses.back();
+  loops_->rebuild(map_.volume);
+  map_.move(loops_->framePoses());
+  result.world_from_camera = map_.trajectory.back().world_from_camera;
   move(state_, result.world_from_camera);
-  relocaliser_.rebase(loops_->keyframePoses());
-  coarse_map_.rebase(poses);
-  coarse_map_stale_ = true;
-  free_space_.rebase(poses);
 }
 
 bool Pipeline::becomesKeyframe(const Pose& world_from_camera) {
-  return method_->relocalises() && relocaliser_.addKeyframe(world_from_camera);
+  return method_->relocalises() && map_.keyframes.offer(metres_, world_from_camera, map_.trajectory.size());
 }
 
 void Pipeline::finish() {
-  if (loops_ && loops_->finish()) loops_->rebuild(volume_);
+  if (!loops_) return;
+  const bool rebuild = loops_->finish();
+  map_.move(loops_->framePoses());
+  if (rebuild) loops_->rebuild(map_.volume);
 }
 
 void Pipeline::fuseFrame(const Frame& frame, const Pose& world_from_camera) {
   requireFixedPoses();
   fuser_.recordFrame(recorder_, frame);
   recorder_.submit();
-  fuser_.fuse(recorder_, volume_, world_from_camera);
+  fuser_.fuse(recorder_, map_.volume, world_from_camera);
   accept(world_from_camera, frame.timestamp, frame.depth);
 }
 
@@ -258,15 +246,16 @@ void Pipeline::requireFixedPoses() const {
 }
 
 void Pipeline::accept(const Pose& world_from_camera, double timestamp, const cv::Mat& depth) {
-  host_depth_ = depth.empty() ? depth : hostDepth(depth);
-  if (!depth.empty()) free_space_.keep(host_depth_, world_from_camera, frames_with_pose_);
+  metres_ = depth.empty() ? depth : depthInMetres(depth, settings_.depth, depth_units_per_metre_);
   start_.settle();
-  const std::size_t number = frames_with_pose_++;
   state_ = accepted(state_, world_from_camera, timestamp);
-  if (!becomesKeyframe(world_from_camera) || depth.empty()) return;
+  if (!depth.empty()) map_.keyframes.setLast(metres_, world_from_camera, map_.trajectory.size());
+  const bool keyframe = becomesKeyframe(world_from_camera);
+  map_.trajectory.push_back({timestamp, world_from_camera});
+  if (!keyframe || depth.empty()) return;
   fuser_.recordFrame(recorder_, Frame{timestamp, depth, {}, {}});
   recorder_.submit();
-  coarse_map_.add(fuser_, recorder_, host_depth_, world_from_camera, number);
+  map_.coarse.add(fuser_, recorder_, world_from_camera);
 }
 
 }  // namespace rosefusion

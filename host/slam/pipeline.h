@@ -2,9 +2,8 @@
 #pragma once
 #include "host/core/log.h"
 #include "host/slam/loop_closure/loop_closer.h"
-#include "host/slam/mapping/coarse_map.h"
 #include "host/slam/mapping/frame_integrator.h"
-#include "host/slam/mapping/free_space.h"
+#include "host/slam/mapping/map.h"
 #include "host/slam/mapping/model_start.h"
 #include "host/slam/relocalisation/relocaliser.h"
 #include "host/slam/tracking/pose_method.h"
@@ -35,8 +34,10 @@ struct FrameResult {
   /// The model begins anew with the frame before this one, whose pose is the identity; what it held until
   /// then fits neither. All poses told before are void.
   bool began_anew = false;
-  std::optional<LoopClosure>
-      loop;  ///< closed at this frame: all earlier poses have changed; see LoopCloser::framePoses()
+  /// Its pose in Pipeline::trajectory(); none when lost.
+  std::optional<std::size_t> number;
+  /// Closed at this frame: all earlier poses have changed; see Pipeline::trajectory().
+  std::optional<LoopClosure> loop;
   int iterations = 0;
   std::uint64_t lookups = 0;
   StageMilliseconds milliseconds;
@@ -74,7 +75,9 @@ class Pipeline {
   void changeLive(const Settings& settings);
 
   Device& device() { return device_; }
-  Volume& volume() { return volume_; }
+  Volume& volume() { return map_.volume; }
+  /// Poses of the frames that were not lost, as known now, since the model was begun.
+  const Trajectory& trajectory() const { return map_.trajectory; }
   const Settings& settings() const { return settings_; }
   const Intrinsics& intrinsics() const { return intrinsics_; }
 
@@ -96,27 +99,21 @@ class Pipeline {
   /// Where the camera is never lost, keyframes serve nobody.
   bool becomesKeyframe(const Pose& world_from_camera);
   void requireFixedPoses() const;
-  /// What the host is to read of a frame's depth image.
-  cv::Mat hostDepth(const cv::Mat& depth) const;
 
   Device& device_;
   Settings settings_;
   Intrinsics intrinsics_;
   double depth_units_per_metre_;
   Recorder recorder_;
-  Volume volume_;
   FrameIntegrator fuser_;
   SwarmSearch search_;
   PoseRefiner refiner_;
   std::unique_ptr<PoseMethod> method_;
   Relocaliser relocaliser_;
   SearchObserver observer_;
-  KnownFreeSpace free_space_;
-  CoarseMap coarse_map_;               ///< of the keyframes
-  bool coarse_map_stale_ = false;      ///< a loop was closed: to be made anew before it is next looked at
+  Map map_;
   std::unique_ptr<LoopCloser> loops_;  ///< with loops.enabled
-  cv::Mat host_depth_;                 ///< of the current frame, for what the host reads of it
-  std::size_t frames_with_pose_ = 0;   ///< so far, as the loop closer counts them
+  cv::Mat metres_;                     ///< the current frame's depthInMetres()
   ModelStart start_;
   InlierStatistics inlier_statistics_;
   TrackingState state_;

@@ -39,9 +39,9 @@ class InlierStatistics {
   double mean_ = 0, variance_ = 0;  ///< of the inlier ratio, the last fifty frames counting most
 };
 
-/// Of the poses found, least cost first, the one that everything seen supports: the image (as Frame::depth)
-/// shows the surfaces that should be there and none in known free space. None where two distinct poses would
-/// do. `unsure`: nothing else supports it; then it must meet `thresholds`.
+/// Of the poses found, least cost first, the one that everything seen supports: the image (of
+/// depthInMetres()) shows the surfaces that should be there and none in known free space. None where two
+/// distinct poses would do. `unsure`: nothing else supports it; then it must meet `thresholds`.
 std::optional<VerifiedPose> verifyPose(const Settings& settings, const KnownFreeSpace& free_space,
                                        const cv::Mat& depth, const TrackResult& found, bool unsure,
                                        const AcceptanceThresholds& thresholds);
