@@ -93,7 +93,7 @@ disturbed() {  # NAME OPTIONS...: a flight of the tracking suite, whose figures 
   while read -r side folder program; do
     rm -rf "$folder" && mkdir -p "$folder"
     "$program" bench --suite tracking --rooms 1 "$@" --json "$folder/figures.json" >"$scratch/$side.log" 2>&1 || true
-    grep -vE 'milliseconds|ms_per|median|p95|seconds|commit|version' "$folder/figures.json" >"$folder/figures.txt" ||
+    grep -vE 'milliseconds|ms_per|median|p95|seconds|commit|version|"path"' "$folder/figures.json" >"$folder/figures.txt" ||
       fail "$name: no figures; see $scratch/$side.log."
     touch "$folder/done"
   done < <(sides "$key")

@@ -179,7 +179,6 @@ void Session::begin() {
   });
   pipeline_.reset();
   source_.reset();
-  trajectory_.clear();
   path_.clear();
   last_pose_.reset();
   SourceOptions options = source_options_;
@@ -278,13 +277,11 @@ void Session::end() {
 
 /// Takes over what closed loops made of the poses so far. False where there are none.
 bool Session::correctPath() {
-  if (!pipeline_->loops() || trajectory_.empty()) return false;
-  const std::vector<Pose> poses = pipeline_->loops()->framePoses();
-  for (std::size_t i = 0; i < std::min(path_.size(), poses.size()); ++i) {
-    trajectory_[i].world_from_camera = poses[i];
-    path_[i].position = poses[i].translation();
-  }
-  if (last_pose_) last_pose_ = trajectory_.back();
+  const Trajectory& poses = pipeline_->trajectory();
+  if (!pipeline_->loops() || poses.empty() || path_.empty()) return false;
+  for (std::size_t i = 0; i < std::min(path_.size(), poses.size()); ++i)
+    path_[i].position = poses[i].world_from_camera.translation();
+  if (last_pose_) last_pose_ = poses[std::min(path_.size(), poses.size()) - 1];
   return true;
 }
 
@@ -296,8 +293,7 @@ void Session::publish(const SourceFrame& frame, const FrameResult& result) {
   }
   if (result.began_anew) {
     path_.assign(1, {Eigen::Vector3d::Zero(), 0, false});
-    trajectory_.assign(1, {last_timestamp_, Pose::Identity()});
-    last_pose_ = trajectory_.back();
+    last_pose_ = StampedPose{last_timestamp_, Pose::Identity()};
     say("The model begins anew: what it held fits neither of the last two frames.", true);
   }
   last_timestamp_ = result.timestamp;
@@ -312,7 +308,6 @@ void Session::publish(const SourceFrame& frame, const FrameResult& result) {
       turn_rate = rotationAngle(moved) / seconds;
     }
     path_.push_back({now.world_from_camera.translation(), speed, seconds > 0});
-    trajectory_.push_back(now);
     last_pose_ = now;
   } else {
     last_pose_.reset();
@@ -371,8 +366,9 @@ void Session::saveMesh(const std::filesystem::path& file) {
 
 void Session::saveTrajectory(const std::filesystem::path& file) {
   command(Kind::Other, [this, file] {
-    if (trajectory_.empty()) return say("There is no trajectory to save yet.", true);
-    writeTumTrajectory(file, trajectory_);
+    if (!pipeline_ || pipeline_->trajectory().empty())
+      return say("There is no trajectory to save yet.", true);
+    writeTumTrajectory(file, pipeline_->trajectory());
     writeFileAtomically(file.parent_path() / "settings.yaml", toYaml(pipeline_->settings()));
     say("Saved " + file.string() + ".");
   });

@@ -106,7 +106,6 @@ class Session {
   std::string source_name_;
   std::unique_ptr<FrameSource> source_;
   std::unique_ptr<Pipeline> pipeline_;
-  Trajectory trajectory_;
   std::vector<PathPoint> path_;
   std::vector<SwarmIteration> swarm_;
   std::optional<StampedPose> last_pose_;

@@ -81,9 +81,10 @@ Result Reconstructor::Impl::process(const Frame& frame, const Semaphores& semaph
   last_timestamp = result.timestamp;
   publish(result.timestamp, result.status == Status::Lost ? nullptr : &result.world_from_camera);
   if (processed.loop) {
-    const std::vector<Pose> poses = pipeline.loops()->framePoses();
     const std::lock_guard lock(state);
-    for (std::size_t i = 0; i < poses.size(); ++i) trajectory[i].world_from_camera = toMatrix(poses[i]);
+    trajectory.clear();
+    for (const StampedPose& pose : pipeline.trajectory())
+      trajectory.push_back({pose.timestamp, toMatrix(pose.world_from_camera)});
   }
   return result;
 }

@@ -112,7 +112,9 @@ StudiedMethod::StudiedMethod(Device& device, const Settings& settings, const Int
       method_(makePoseMethod(device, settings, intrinsics, swarm_, refiner_)) {}
 
 void StudiedMethod::search(const StudiedFrame& studied, const SearchObserver& observer) {
-  method_->track(studied.frame, studied.volume, studied.last, observer);
+  TrackHistory history;
+  history.last = studied.last;
+  method_->track(studied.frame, studied.volume, history, 0, observer);
 }
 
 std::vector<SearchState> StudiedMethod::search(const StudiedFrame& studied) {
@@ -133,8 +135,10 @@ std::vector<SearchState> StudiedMethod::search(const StudiedFrame& studied) {
     return states;
   }
   const auto fitness = settings_.swarm.loss == FitnessLoss::kSquared ? squaredFitness : absoluteFitness;
+  TrackHistory history;
+  history.last = studied.last;
   const TrackResult result =
-      method_->track(studied.frame, studied.volume, studied.last, [&](const SearchIteration& iteration) {
+      method_->track(studied.frame, studied.volume, history, 0, [&](const SearchIteration& iteration) {
         states.push_back({iteration.state.centre, none});
         // What this iteration looked at belongs to the state after it.
         states[states.size() - 1].fitness = quartiles(iteration.losses, fitness);

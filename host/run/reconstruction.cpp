@@ -39,11 +39,9 @@ void finish(Pipeline& pipeline, RunSummary& summary) {
     summary.end_reason = error.what();
   }
   summary.loops = pipeline.loops()->figures();
-  const std::vector<Pose> poses = pipeline.loops()->framePoses();
-  std::size_t next = 0;
   for (RunFrame& f : summary.frames)
-    if (!f.skipped && f.result.status != TrackingStatus::Lost && next < poses.size())
-      f.result.world_from_camera = poses[next++];
+    if (f.result.number)
+      f.result.world_from_camera = pipeline.trajectory()[*f.result.number].world_from_camera;
 }
 
 /// The model begins anew with the last of these frames; those before have no place in it.
@@ -54,6 +52,7 @@ void beginAnew(RunSummary& summary) {
     if (f.result.status != TrackingStatus::Lost) f.result.reason = {Reason::ModelBegunAnew};
     f.result.status = TrackingStatus::Lost;
     f.result.fused = false;
+    f.result.number.reset();
     first = &f;
   }
   if (!first) return;
@@ -61,6 +60,7 @@ void beginAnew(RunSummary& summary) {
   first->result.reason = {};
   first->result.world_from_camera = Pose::Identity();
   first->result.fused = true;
+  first->result.number = 0;
   summary.began_anew_with = first->index;
   spdlog::info(
       "The model begins anew with frame {}, for what the frames before it showed fits none that follows.",

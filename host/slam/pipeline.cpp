@@ -9,7 +9,7 @@
 #include "host/settings/automatic.h"
 #include "host/slam/baselines/pose_methods.h"
 #include "host/slam/device_sums.h"
-#include "host/slam/mapping/depth_holes.h"
+#include "host/slam/mapping/depth_image.h"
 
 namespace rosefusion {
 namespace {
@@ -39,50 +39,7 @@ TemplateSet templatesFor(const Settings& s, const Log& log) {
   return loadOrGenerate(defaultTemplateCache(options), options, say_once, log);
 }
 
-/// The status that the numbers speak for, and why.
-void judge(const TrackingSettings& limits, FrameResult& result) {
-  const PoseScore& score = result.score;
-  result.status = TrackingStatus::Tracked;
-  if (score.valid_share < limits.min_valid_share) {
-    result.status = TrackingStatus::Lost;
-    result.reason = {Reason::LittleDepth, score.valid_share};
-  } else if (score.overlap == 0) {
-    result.status = TrackingStatus::Lost;
-    result.reason = {Reason::NoOverlap};
-  } else if (score.residual > limits.lost_residual) {
-    result.status = TrackingStatus::Lost;
-    result.reason = {Reason::PoorFit, score.residual};
-  } else if (score.overlap < limits.uncertain_overlap) {
-    result.status = TrackingStatus::Uncertain;
-    result.reason = {Reason::LittleOverlap, score.overlap};
-  } else if (score.residual > limits.uncertain_residual) {
-    result.status = TrackingStatus::Uncertain;
-    result.reason = {Reason::PoorFit, score.residual};
-  }
-}
-
-// The noise of colours feigns slopes: worked out for a model of one image of a white wall, 3 m away, it seems
-// to hold the pose by 4 times refine.least_constraint.
-constexpr double kColourConstraint = 5;
-
-/// A pose whose depth leaves a direction open is held there by the motion model, and may drift.
-void judgeConstraint(const RefineSettings& limits, FrameResult& result) {
-  if (!result.fit || result.status != TrackingStatus::Tracked) return;
-  const double factor = result.fit->colour_cost > 0 ? kColourConstraint : kWeakConstraint;
-  if (result.fit->observability >= factor * limits.least_constraint) return;
-  result.status = TrackingStatus::Uncertain;
-  result.reason = {result.fit->observability < limits.least_constraint ? Reason::Unconstrained
-                                                                       : Reason::WeaklyConstrained};
-}
-
 }  // namespace
-
-const char* toString(TrackingStatus status) {
-  return status == TrackingStatus::Tracked       ? "tracked"
-         : status == TrackingStatus::Uncertain   ? "uncertain"
-         : status == TrackingStatus::Relocalised ? "relocalised"
-                                                 : "lost";
-}
 
 Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& intrinsics,
                    double depth_units_per_metre, const Log& log)
@@ -92,20 +49,18 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
       intrinsics_(intrinsics),
       depth_units_per_metre_(depth_units_per_metre),
       recorder_(device),
-      volume_(device, volumeOptions(settings_.volume)),
       fuser_(device, settings_, intrinsics, depth_units_per_metre),
-      tracker_(device, settings_, intrinsics, templatesFor(settings_, log)),
-      relocaliser_(settings_, tracker_),
-      free_space_(intrinsics, settings_.depth, depth_units_per_metre),
-      coarse_map_(device, settings_, intrinsics, depth_units_per_metre) {
-  tracker_.replaceBy(
-      makePoseMethod(device, settings_, intrinsics, tracker_.swarmSearch(), tracker_.refiner()));
+      search_(device, settings_, intrinsics, templatesFor(settings_, log)),
+      refiner_(device, settings_, intrinsics),
+      method_(makePoseMethod(device, settings_, intrinsics, search_, refiner_)),
+      relocaliser_(settings_.refine, search_, refiner_),
+      map_(device, settings_, intrinsics) {
   const std::filesystem::path cache = defaultTemplateCache({}).parent_path();
   sumsAreExact(
       cache.empty() ? cache : cache / "compensated_sums.txt", device.info(),
       [&] { return compensatedSumsWork(device); }, log);
   if (settings.loops.enabled)
-    loops_ = makeLoopCloser(device, settings_, intrinsics, depth_units_per_metre, tracker_.templates());
+    loops_ = makeLoopCloser(device, settings_, intrinsics, depth_units_per_metre, search_.templates());
 }
 
 void Pipeline::changeLive(const Settings& settings) {
@@ -123,19 +78,11 @@ FrameResult Pipeline::processFrame(const Frame& frame) {
 }
 
 void Pipeline::clear() {
-  volume_.clear();
-  tracker_.reset();
-  relocaliser_.rebase({});
-  free_space_ = KnownFreeSpace(intrinsics_, settings_.depth, depth_units_per_metre_);
-  coarse_map_.clear();
-  coarse_map_stale_ = false;
+  map_.clear();
+  state_ = Initialising{};
   if (loops_)
-    loops_ = makeLoopCloser(device_, settings_, intrinsics_, depth_units_per_metre_, tracker_.templates());
-  frames_with_pose_ = 0;
-  started_ = intruded_ = false;
+    loops_ = makeLoopCloser(device_, settings_, intrinsics_, depth_units_per_metre_, search_.templates());
   inlier_statistics_ = {};
-  verification_.end();
-  tentative_.reset();
 }
 
 void Pipeline::weighStart(const Frame& frame, FrameResult& result) {
@@ -143,7 +90,7 @@ void Pipeline::weighStart(const Frame& frame, FrameResult& result) {
   const auto met = [&](const FrameResult& r) {
     return told * (r.fit ? r.fit->inlier_ratio : 1 - r.score.residual);
   };
-  if (result.fused && frames_with_pose_ == 1) return start_.begin(frame, told);
+  if (result.fused && result.number == 0U) return start_.begin(frame, told);
   if (result.fused) return start_.confirm(met(result));
   if (result.status != TrackingStatus::Lost) return;
   const std::optional<ModelStart::Candidate> rival = start_.rival(frame, told);
@@ -167,7 +114,7 @@ void Pipeline::weighStart(const Frame& frame, FrameResult& result) {
     result = again;
   } else {  // neither fits it: the first one stays
     beginWith(first);
-    tracker_.setLost();
+    state_ = withoutPose(state_, thresholds());
   }
   start_.rival(frame, told);
 }
@@ -176,156 +123,114 @@ FrameResult Pipeline::follow(const Frame& frame) {
   FrameResult result;
   result.timestamp = frame.timestamp;
   const StageTimer total(result.milliseconds.total);
-  {
-    const StageTimer timer(result.milliseconds.preprocess);
-    fuser_.recordFrame(recorder_, frame);
-    recorder_.submit();
-    host_depth_ = hostDepth(frame.depth);
-  }
-  tracker_.addOdometry(frame.motion);
-  {
-    const StageTimer timer(result.milliseconds.track);
-    track(result);
-  }
-  if (result.status == TrackingStatus::Lost) {
-    intruded_ = false;
-    if (tentative_)
-      tracker_.setTentative(*tentative_, result.timestamp);
-    else if (started_)
-      tracker_.setLost();
-    if (loops_) loops_->onTrackingLost();
-    return result;
-  }
-  result.fused = result.status != TrackingStatus::Relocalised && !intruded_;
-  if (result.fused) {
-    const StageTimer timer(result.milliseconds.integrate);
-    fuser_.fuse(recorder_, volume_, result.world_from_camera);
-    free_space_.keep(host_depth_, result.world_from_camera, frames_with_pose_);
-    if (result.fit) inlier_statistics_.add(*result.fit);
-    started_ = true;
-  }
-  if (result.status == TrackingStatus::Relocalised) {
-    tracker_.setTentative(result.world_from_camera, result.timestamp);
-  } else {
-    tracker_.accept(result.world_from_camera, result.timestamp);
-    if (result.fused && becomesKeyframe(result.world_from_camera))
-      coarse_map_.add(fuser_, recorder_, host_depth_, result.world_from_camera, frames_with_pose_);
-  }
-  ++frames_with_pose_;
-  if (loops_) closeLoops(frame, result);
+  preprocess(frame, result);
+  addOdometry(state_, frame.motion);
+  const FrameEvidence evidence = examine(frame, result);
+  Decision decision = decide(state_, evidence, thresholds());
+  report(evidence, decision, result);
+  if (decision.integrate) integrate(result);
+  state_ = std::move(decision.next);
+  if (decision.pose)
+    closeLoops(frame, result);
+  else if (loops_)
+    loops_->onTrackingLost();
   return result;
 }
 
-cv::Mat Pipeline::hostDepth(const cv::Mat& depth) const {
-  return settings_.depth.footprint ? withSmallHolesFilled(depth) : depth;
+void Pipeline::preprocess(const Frame& frame, FrameResult& result) {
+  const StageTimer timer(result.milliseconds.preprocess);
+  fuser_.recordFrame(recorder_, frame);
+  recorder_.submit();
+  metres_ = depthInMetres(frame.depth, settings_.depth, depth_units_per_metre_);
+}
+
+PoseScore Pipeline::scoreAt(const Pose& world_from_camera) {
+  return search_.score(fuser_.frame(), map_.volume, world_from_camera, historyOf(state_).last);
+}
+
+FrameEvidence Pipeline::examine(const Frame& frame, FrameResult& result) {
+  const StageTimer timer(result.milliseconds.track);
+  FrameEvidence out{frame.timestamp, scoreAt(acceptedPose(state_)), {}, {}, 0};
+  if (std::holds_alternative<Initialising>(state_)) {
+    out.score.residual = 0;  // there is no model yet to differ from
+    return out;
+  }
+  const Thresholds limits = thresholds();
+  if (out.score.valid_share < limits.min_valid_share) return out;
+  const bool lost = std::holds_alternative<Lost>(state_);
+  if (lost) map_.coarse.refresh([this](Volume& coarse) { loops_->rebuild(coarse); });
+  const TrackHistory& history = historyOf(state_);
+  out.found = lost ? relocaliser_.find(fuser_.frame(), metres_, map_, history, frame.timestamp, observer_)
+                   : method_->track(fuser_.frame(), map_.volume, history, frame.timestamp, observer_);
+  if (!mustVerify(state_, *out.found, frame.timestamp, limits)) {
+    out.score = scoreAt(out.found->world_from_camera);
+    if (judge(out.score, limits).status != TrackingStatus::Lost)
+      out.violation = map_.free_space.violationOfLast(metres_, out.found->world_from_camera);
+    return out;
+  }
+  const bool followed = std::holds_alternative<Tracking>(state_);
+  out.verified = verifyPose(settings_, map_.free_space, metres_, *out.found,
+                            isUnsure(state_, *out.found, frame.timestamp, limits),
+                            inlier_statistics_.thresholds(!followed, limits.intruding_share));
+  const PoseFit& fit = out.verified ? out.verified->fit : *out.found->fit;
+  out.violation = map_.free_space.violation(metres_, fit.world_from_camera);
+  return out;
+}
+
+void Pipeline::report(const FrameEvidence& evidence, const Decision& decision, FrameResult& result) {
+  result.world_from_camera = decision.pose.value_or(acceptedPose(state_));
+  result.status = decision.status;
+  result.reason = decision.reason;
+  result.fused = decision.integrate;
+  result.score = evidence.score;
+  result.intruding = evidence.violation;
+  if (!evidence.found) return;
+  result.iterations = evidence.found->iterations;
+  result.lookups = evidence.found->lookups;
+  result.fit = evidence.verified ? evidence.verified->fit : evidence.found->fit;
+  // That of the evidence is of the last pose where another one had to be verified.
+  if (evidence.verified && decision.pose) result.score = scoreAt(*decision.pose);
+}
+
+void Pipeline::integrate(FrameResult& result) {
+  const StageTimer timer(result.milliseconds.integrate);
+  fuser_.fuse(recorder_, map_.volume, result.world_from_camera);
+  if (result.fit) inlier_statistics_.add(*result.fit);
+  const std::size_t number = map_.trajectory.size();
+  map_.keyframes.setLast(metres_, result.world_from_camera, number);
+  if (becomesKeyframe(result.world_from_camera)) map_.coarse.add(fuser_, recorder_, result.world_from_camera);
 }
 
 void Pipeline::closeLoops(const Frame& frame, FrameResult& result) {
+  result.number = map_.trajectory.size();
+  map_.trajectory.push_back({result.timestamp, result.world_from_camera});
+  if (!loops_) return;
   const StageTimer timer(result.milliseconds.loops);
-  result.loop = loops_->add(frame, fuser_.frame(), result.world_from_camera, result.fused,
+  result.loop = loops_->add(frame, metres_, fuser_.frame(), result.world_from_camera, result.fused,
                             result.status == TrackingStatus::Tracked);
   if (!result.loop) return;
-  loops_->rebuild(volume_);
-  const std::vector<Pose> poses = loops_->framePoses();
-  result.world_from_camera = poses.back();
-  tracker_.rebase(result.world_from_camera);
-  relocaliser_.rebase(loops_->keyframePoses());
-  coarse_map_.rebase(poses);
-  coarse_map_stale_ = true;
-  free_space_.rebase(poses);
+  loops_->rebuild(map_.volume);
+  map_.move(loops_->framePoses());
+  result.world_from_camera = map_.trajectory.back().world_from_camera;
+  move(state_, result.world_from_camera);
 }
 
 bool Pipeline::becomesKeyframe(const Pose& world_from_camera) {
-  return !tracker_.isReplaced() && relocaliser_.addKeyframe(world_from_camera);
+  return method_->relocalises() && map_.keyframes.offer(metres_, world_from_camera, map_.trajectory.size());
 }
 
 void Pipeline::finish() {
-  if (loops_ && loops_->finish()) loops_->rebuild(volume_);
-}
-
-/// What came before the camera is gone when the image shows the model again; that it is no longer where the
-/// last fused frame looked is not enough.
-bool Pipeline::isIntruded(const FrameResult& result) {
-  if (result.intruding > settings_.tracking.intruding_share) return true;
-  return intruded_ &&
-         !(result.fit && result.intruding <= kIntrudingWhenFound * settings_.tracking.intruding_share &&
-           result.fit->holds(settings_.tracking.relocalised_share, settings_.refine.least_constraint));
-}
-
-void Pipeline::verify(const TrackResult& found, bool unsure, FrameResult& result) {
-  using Standing = TemporalVerification::Standing;
-  const bool relocalising = tracker_.isLost() || verification_.isPending();
-  const std::optional<VerifiedPose> verified =
-      verifyPose(settings_, free_space_, host_depth_, found, unsure,
-                 inlier_statistics_.thresholds(relocalising, settings_.tracking.intruding_share));
-  if (verified) result.fit = verified->fit;
-  result.intruding = free_space_.violation(host_depth_, result.fit->world_from_camera);
-  const Standing standing =
-      verification_.next(verified, settings_.tracking.relocalised_share, unsure, tracker_.isLost());
-  if (standing == Standing::Rejected) {
-    result.status = TrackingStatus::Lost;
-    result.reason = {Reason::NotVerified};
-    return;
-  }
-  if (standing == Standing::Tentative) {
-    tentative_ = result.fit->world_from_camera;
-    result.status = TrackingStatus::Lost;
-    result.reason = {Reason::Tentative};
-    return;
-  }
-  result.world_from_camera = result.fit->world_from_camera;
-  result.score = tracker_.score(fuser_.frame(), volume_, result.world_from_camera);
-  if (standing == Standing::Consistent) {
-    result.status = TrackingStatus::Relocalised;
-    result.reason = {unsure                       ? Reason::Jump
-                     : verification_.hasOverlap() ? Reason::ConsistentOnce
-                                                  : Reason::ConsistentUnknown};
-    return;
-  }
-  result.status = TrackingStatus::Tracked;
-  judgeConstraint(settings_.refine, result);
-}
-
-void Pipeline::track(FrameResult& result) {
-  tentative_.reset();
-  result.world_from_camera = tracker_.last();
-  result.score = tracker_.score(fuser_.frame(), volume_, tracker_.last());
-  if (!started_) {
-    result.score.residual = 0;  // there is no model yet to differ from
-    judge(settings_.tracking, result);
-    return;
-  }
-  if (result.score.valid_share < settings_.tracking.min_valid_share) return judge(settings_.tracking, result);
-  if (tracker_.isLost() && std::exchange(coarse_map_stale_, false)) loops_->rebuild(coarse_map_.volume());
-  const TrackResult found = tracker_.isLost() ? relocaliser_.find(fuser_.frame(), host_depth_, volume_,
-                                                                  coarse_map_, free_space_, result.timestamp)
-                                              : tracker_.track(fuser_.frame(), volume_, result.timestamp);
-  result.iterations = found.iterations;
-  result.lookups = found.lookups;
-  result.fit = found.fit;
-  const bool unsure = tracker_.isLost() || found.jump;
-  if (unsure || verification_.isPending()) return verify(found, unsure, result);
-  result.score = tracker_.score(fuser_.frame(), volume_, found.world_from_camera);
-  judge(settings_.tracking, result);
-  judgeConstraint(settings_.refine, result);
-  if (result.status != TrackingStatus::Lost) {
-    result.intruding = free_space_.violationOfLast(host_depth_, found.world_from_camera);
-    intruded_ = isIntruded(result);
-  }
-  if (intruded_ && result.status != TrackingStatus::Lost) {
-    const double share = kShareOfNext * settings_.tracking.relocalised_share;
-    const bool held = result.fit && result.fit->holds(share, settings_.refine.least_constraint);
-    result.status = held ? TrackingStatus::Uncertain : TrackingStatus::Lost;
-    result.reason = {held ? Reason::Occluded : Reason::OccludedAndNotHeld, result.intruding};
-  }
-  if (result.status != TrackingStatus::Lost) result.world_from_camera = found.world_from_camera;
+  if (!loops_) return;
+  const bool rebuild = loops_->finish();
+  map_.move(loops_->framePoses());
+  if (rebuild) loops_->rebuild(map_.volume);
 }
 
 void Pipeline::fuseFrame(const Frame& frame, const Pose& world_from_camera) {
   requireFixedPoses();
   fuser_.recordFrame(recorder_, frame);
   recorder_.submit();
-  fuser_.fuse(recorder_, volume_, world_from_camera);
+  fuser_.fuse(recorder_, map_.volume, world_from_camera);
   accept(world_from_camera, frame.timestamp, frame.depth);
 }
 
@@ -341,17 +246,16 @@ void Pipeline::requireFixedPoses() const {
 }
 
 void Pipeline::accept(const Pose& world_from_camera, double timestamp, const cv::Mat& depth) {
-  host_depth_ = depth.empty() ? depth : hostDepth(depth);
-  if (!depth.empty()) free_space_.keep(host_depth_, world_from_camera, frames_with_pose_);
-  started_ = true;
+  metres_ = depth.empty() ? depth : depthInMetres(depth, settings_.depth, depth_units_per_metre_);
   start_.settle();
-  verification_.end();
-  const std::size_t number = frames_with_pose_++;
-  tracker_.accept(world_from_camera, timestamp);
-  if (!becomesKeyframe(world_from_camera) || depth.empty()) return;
+  state_ = accepted(state_, world_from_camera, timestamp);
+  if (!depth.empty()) map_.keyframes.setLast(metres_, world_from_camera, map_.trajectory.size());
+  const bool keyframe = becomesKeyframe(world_from_camera);
+  map_.trajectory.push_back({timestamp, world_from_camera});
+  if (!keyframe || depth.empty()) return;
   fuser_.recordFrame(recorder_, Frame{timestamp, depth, {}, {}});
   recorder_.submit();
-  coarse_map_.add(fuser_, recorder_, host_depth_, world_from_camera, number);
+  map_.coarse.add(fuser_, recorder_, world_from_camera);
 }
 
 }  // namespace rosefusion

@@ -2,21 +2,14 @@
 #pragma once
 #include "host/core/log.h"
 #include "host/slam/loop_closure/loop_closer.h"
-#include "host/slam/mapping/coarse_map.h"
 #include "host/slam/mapping/frame_integrator.h"
-#include "host/slam/mapping/free_space.h"
+#include "host/slam/mapping/map.h"
 #include "host/slam/mapping/model_start.h"
-#include "host/slam/relocalisation/pose_verification.h"
 #include "host/slam/relocalisation/relocaliser.h"
-#include "host/slam/status_reason.h"
-#include "host/slam/tracking/tracker.h"
+#include "host/slam/tracking/pose_method.h"
+#include "host/slam/tracking_state.h"
 
 namespace rosefusion {
-
-/// Relocalised: found in the model after a loss, where two frames are consistent, or after a sudden change;
-/// not integrated until the next frames are.
-enum class TrackingStatus { Tracked, Uncertain, Relocalised, Lost };
-const char* toString(TrackingStatus status);
 
 struct StageMilliseconds {
   double total = 0;
@@ -41,14 +34,16 @@ struct FrameResult {
   /// The model begins anew with the frame before this one, whose pose is the identity; what it held until
   /// then fits neither. All poses told before are void.
   bool began_anew = false;
-  std::optional<LoopClosure>
-      loop;  ///< closed at this frame: all earlier poses have changed; see LoopCloser::framePoses()
+  /// Its pose in Pipeline::trajectory(); none when lost.
+  std::optional<std::size_t> number;
+  /// Closed at this frame: all earlier poses have changed; see Pipeline::trajectory().
+  std::optional<LoopClosure> loop;
   int iterations = 0;
   std::uint64_t lookups = 0;
   StageMilliseconds milliseconds;
 };
 
-/// Owns the volume and the tracker; the Device must outlive it. One thread at a time.
+/// Owns the volume and what finds poses in it; the Device must outlive it. One thread at a time.
 class Pipeline {
  public:
   /// Throws InputError for settings that do not go together and DeviceError when the device cannot hold them.
@@ -74,52 +69,54 @@ class Pipeline {
   FrameIntegrator makeFuser();
 
   /// For displays: told of every iteration of a search with particles, from within processFrame().
-  void observe(SearchObserver observer) { tracker_.observe(std::move(observer)); }
+  void observe(SearchObserver observer) { observer_ = std::move(observer); }
   /// Takes over what may change between frames: the limits of tracked, uncertain and lost, and the mesh's
   /// settings (isLiveSetting()). Throws InputError for settings that do not go together.
   void changeLive(const Settings& settings);
 
   Device& device() { return device_; }
-  Volume& volume() { return volume_; }
+  Volume& volume() { return map_.volume; }
+  /// Poses of the frames that were not lost, as known now, since the model was begun.
+  const Trajectory& trajectory() const { return map_.trajectory; }
   const Settings& settings() const { return settings_; }
   const Intrinsics& intrinsics() const { return intrinsics_; }
 
  private:
+  /// processFrame(), but for a model that begins anew.
   FrameResult follow(const Frame& frame);
-  void track(FrameResult& result);
+  void preprocess(const Frame& frame, FrameResult& result);
+  /// Looks for the frame's pose and at what speaks for it; costs go to `result`.
+  FrameEvidence examine(const Frame& frame, FrameResult& result);
+  void report(const FrameEvidence& evidence, const Decision& decision, FrameResult& result);
+  void integrate(FrameResult& result);
+  void closeLoops(const Frame& frame, FrameResult& result);
+  /// Fit of the frame at a pose, over the overlap with the last one.
+  PoseScore scoreAt(const Pose& world_from_camera);
+  Thresholds thresholds() const { return thresholdsOf(settings_, method_->relocalises()); }
   /// Replaces a model that hardly a frame has confirmed by one of the frames that do not fit it.
   void weighStart(const Frame& frame, FrameResult& result);
   void clear();
-  void verify(const TrackResult& found, bool unsure, FrameResult& result);
-  bool isIntruded(const FrameResult& result);
   /// Where the camera is never lost, keyframes serve nobody.
   bool becomesKeyframe(const Pose& world_from_camera);
-  void closeLoops(const Frame& frame, FrameResult& result);
   void requireFixedPoses() const;
-  /// What the host is to read of a frame's depth image.
-  cv::Mat hostDepth(const cv::Mat& depth) const;
 
   Device& device_;
   Settings settings_;
   Intrinsics intrinsics_;
   double depth_units_per_metre_;
   Recorder recorder_;
-  Volume volume_;
   FrameIntegrator fuser_;
-  Tracker tracker_;
+  SwarmSearch search_;
+  PoseRefiner refiner_;
+  std::unique_ptr<PoseMethod> method_;
   Relocaliser relocaliser_;
-  KnownFreeSpace free_space_;
-  CoarseMap coarse_map_;               ///< of the keyframes
-  bool coarse_map_stale_ = false;      ///< a loop was closed: to be made anew before it is next looked at
+  SearchObserver observer_;
+  Map map_;
   std::unique_ptr<LoopCloser> loops_;  ///< with loops.enabled
-  cv::Mat host_depth_;                 ///< of the current frame, for what the host reads of it
-  std::size_t frames_with_pose_ = 0;   ///< so far, as the loop closer counts them
-  bool started_ = false;
+  cv::Mat metres_;                     ///< the current frame's depthInMetres()
   ModelStart start_;
-  bool intruded_ = false;
   InlierStatistics inlier_statistics_;
-  TemporalVerification verification_;
-  std::optional<Pose> tentative_;  ///< of the last frame: where a lost camera may be
+  TrackingState state_;
 };
 
 }  // namespace rosefusion

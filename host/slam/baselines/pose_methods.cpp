@@ -2,20 +2,21 @@
 
 #include "host/slam/baselines/free_swarm_search.h"
 #include "host/slam/baselines/icp.h"
+#include "host/slam/tracking/tracker.h"
 
 namespace rosefusion {
 namespace {
 
 TrackResult asTrackResult(const SwarmResult& found) {
-  return {found.world_from_camera, found.iterations, found.lookups, {}};
+  return {found.world_from_camera, found.iterations, found.lookups, {}, {}, {}};
 }
 
 class PstMethod : public PoseMethod {
  public:
   explicit PstMethod(SwarmSearch& search) : search_(search) {}
-  TrackResult track(const PreprocessPass& frame, const Volume& volume, const Pose& last,
+  TrackResult track(const PreprocessPass& frame, const Volume& volume, const TrackHistory& history, double,
                     const SearchObserver& observer) override {
-    return asTrackResult(search_.search(frame, volume, last, last, observer));
+    return asTrackResult(search_.search(frame, volume, history.last, history.last, observer));
   }
 
  private:
@@ -27,9 +28,9 @@ class FreeSwarmMethod : public PoseMethod {
   FreeSwarmMethod(Device& device, const Settings& settings, const Intrinsics& intrinsics,
                   const TemplateSet& templates)
       : search_(device, settings, intrinsics, templates) {}
-  TrackResult track(const PreprocessPass& frame, const Volume& volume, const Pose& last,
+  TrackResult track(const PreprocessPass& frame, const Volume& volume, const TrackHistory& history, double,
                     const SearchObserver& observer) override {
-    return asTrackResult(search_.search(frame, volume, last, last, observer));
+    return asTrackResult(search_.search(frame, volume, history.last, history.last, observer));
   }
 
  private:
@@ -40,9 +41,10 @@ class GaussNewtonMethod : public PoseMethod {
  public:
   GaussNewtonMethod(PoseRefiner& refiner, const RefineSettings& settings)
       : refiner_(refiner), settings_(settings) {}
-  TrackResult track(const PreprocessPass& frame, const Volume& volume, const Pose& last,
+  TrackResult track(const PreprocessPass& frame, const Volume& volume, const TrackHistory& history, double,
                     const SearchObserver&) override {
     TrackResult result;
+    const Pose& last = history.last;
     const auto descend = [&](int stride, int iterations, const Pose& start) {
       refiner_.selectPixels(frame, stride);
       result.fit = refiner_.refine(volume, std::vector<Pose>{start}, iterations, last)[0];
@@ -64,10 +66,10 @@ class IcpMethod : public PoseMethod {
  public:
   IcpMethod(Device& device, const Settings& settings, const Intrinsics& intrinsics)
       : icp_(device, settings, intrinsics) {}
-  TrackResult track(const PreprocessPass& frame, const Volume& volume, const Pose& last,
+  TrackResult track(const PreprocessPass& frame, const Volume& volume, const TrackHistory& history, double,
                     const SearchObserver&) override {
-    const IcpResult found = icp_.align(frame, volume, last);
-    return {found.world_from_camera, found.iterations, found.points_read, {}};
+    const IcpResult found = icp_.align(frame, volume, history.last);
+    return {found.world_from_camera, found.iterations, found.points_read, {}, {}, {}};
   }
 
  private:
@@ -81,7 +83,7 @@ std::unique_ptr<PoseMethod> makePoseMethod(Device& device, const Settings& setti
                                            PoseRefiner& refiner) {
   switch (settings.tracking.method) {
     case TrackingMethod::kDefault:
-      return nullptr;
+      return std::make_unique<Tracker>(settings.refine, search, refiner);
     case TrackingMethod::kPst:
       return std::make_unique<PstMethod>(search);
     case TrackingMethod::kPfo:

@@ -8,7 +8,7 @@
 
 namespace rosefusion {
 
-/// None for method default, which is Tracker's own. `search` and `refiner` must outlive the result.
+/// The one that tracking.method names. `search` and `refiner` must outlive it.
 std::unique_ptr<PoseMethod> makePoseMethod(Device& device, const Settings& settings,
                                            const Intrinsics& intrinsics, SwarmSearch& search,
                                            PoseRefiner& refiner);

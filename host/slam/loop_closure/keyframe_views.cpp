@@ -13,16 +13,16 @@ constexpr double kMostTurn = 1.1;  // radians between the views: surfaces have a
 
 }  // namespace
 
-void KeyframeViews::add(const cv::Mat& depth) {
+void KeyframeViews::add(const cv::Mat& metres) {
   View view;
   view.depth = cv::Mat::zeros(kRows, kColumns, CV_32F);
   for (int row = 0; row < kRows; ++row)
     for (int column = 0; column < kColumns; ++column) {
-      const int u = (2 * column + 1) * depth.cols / (2 * kColumns);
-      const int v = (2 * row + 1) * depth.rows / (2 * kRows);
-      const double z = depth.at<std::uint16_t>(v, u) / units_;
-      if (!(z >= range_.min && z <= range_.max)) continue;
-      view.depth.at<float>(row, column) = static_cast<float>(z);
+      const int u = (2 * column + 1) * metres.cols / (2 * kColumns);
+      const int v = (2 * row + 1) * metres.rows / (2 * kRows);
+      const float z = metres.at<float>(v, u);
+      if (z == 0) continue;
+      view.depth.at<float>(row, column) = z;
       view.points.push_back(camera_.unproject(u, v, z).cast<float>());
     }
   views_.push_back(std::move(view));

@@ -4,18 +4,16 @@
 #include <vector>
 
 #include "host/core/camera.h"
-#include "host/settings/settings.h"
 
 namespace rosefusion {
 
 /// One thread.
 class KeyframeViews {
  public:
-  KeyframeViews(const Intrinsics& camera, const DepthSettings& range, double depth_units_per_metre)
-      : camera_(camera), range_(range), units_(depth_units_per_metre) {}
+  explicit KeyframeViews(const Intrinsics& camera) : camera_(camera) {}
 
-  /// Numbers keyframes in the order in which they come; `depth`: CV_16U, of the camera's size.
-  void add(const cv::Mat& depth);
+  /// Numbers keyframes in the order in which they come; `metres`: as of depthInMetres().
+  void add(const cv::Mat& metres);
   /// Share of what keyframe `newest` saw that keyframe `old` saw too, from about as far, when it looked along
   /// old_from_newest. That may be off by as much as tracking drifts between two visits.
   double overlap(std::size_t newest, std::size_t old, const Pose& old_from_newest) const;
@@ -27,8 +25,6 @@ class KeyframeViews {
   };
 
   Intrinsics camera_;
-  DepthSettings range_;
-  double units_;
   std::vector<View> views_;
 };
 

@@ -7,7 +7,6 @@
 #include "host/slam/loop_closure/keyframe_images.h"
 #include "host/slam/loop_closure/keyframe_views.h"
 #include "host/slam/loop_closure/local_odometry.h"
-#include "host/slam/mapping/depth_holes.h"
 #include "host/slam/mapping/frame_integrator.h"
 #include "host/slam/relocalisation/pose_search.h"
 
@@ -66,7 +65,7 @@ class KeyframeLoopCloser : public LoopCloser {
       : settings_(settings),
         graph_(settings.loops),
         images_(settings.loops.memory_mb << 20),
-        views_(intrinsics, settings.depth, depth_units_per_metre),
+        views_(intrinsics),
         recorder_(device),
         fuser_(device, settings, intrinsics, depth_units_per_metre),
         search_(device, settings, intrinsics, templates),
@@ -77,11 +76,11 @@ class KeyframeLoopCloser : public LoopCloser {
                           if (images_.has(i)) fuse(i, volume, pose);
                         }) {}
 
-  std::optional<LoopClosure> add(const Frame& frame, const PreprocessPass& on_device, const Pose& pose,
-                                 bool fused, bool well_constrained) override {
+  std::optional<LoopClosure> add(const Frame& frame, const cv::Mat& metres, const PreprocessPass& on_device,
+                                 const Pose& pose, bool fused, bool well_constrained) override {
     if (!graph_.add(pose, fused, well_constrained)) return {};
     images_.add(frame, graph_.travelled());
-    views_.add(settings_.depth.footprint ? withSmallHolesFilled(frame.depth) : frame.depth);
+    views_.add(metres);
     trackLocally(on_device);
     if (graph_.travelled() < next_check_) return {};
     const auto old = graph_.candidate(
@@ -134,12 +133,6 @@ class KeyframeLoopCloser : public LoopCloser {
 
   std::vector<Pose> framePoses() const override { return graph_.framePoses(); }
 
-  std::vector<Pose> keyframePoses() const override {
-    std::vector<Pose> poses;
-    for (std::size_t i = 0; i < graph_.size(); ++i) poses.push_back(graph_.pose(i));
-    return poses;
-  }
-
   LoopFigures figures() const override {
     LoopFigures out = figures_;
     out.keyframes = images_.size();
@@ -149,6 +142,12 @@ class KeyframeLoopCloser : public LoopCloser {
   }
 
  private:
+  std::vector<Pose> keyframePoses() const {
+    std::vector<Pose> poses;
+    for (std::size_t i = 0; i < graph_.size(); ++i) poses.push_back(graph_.pose(i));
+    return poses;
+  }
+
   /// What a comparison with an old place found.
   struct Finding {
     Correction correction;

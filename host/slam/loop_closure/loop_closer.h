@@ -38,12 +38,12 @@ struct LoopFigures {
 class LoopCloser {
  public:
   virtual ~LoopCloser() = default;
-  /// Tells of a frame that was accepted, and held by `on_device`; `well_constrained`: the depth held it in
-  /// every direction. Where that closes a loop, all earlier poses have changed: the caller rebuilds its
-  /// volume.
-  virtual std::optional<LoopClosure> add(const Frame& frame, const PreprocessPass& on_device,
-                                         const Pose& world_from_camera, bool fused,
-                                         bool well_constrained) = 0;
+  /// Tells of a frame that was accepted, and held by `on_device`; `metres`: its depth (depthInMetres());
+  /// `well_constrained`: the depth held it in every direction. Where that closes a loop, all earlier poses
+  /// have changed: the caller rebuilds its volume.
+  virtual std::optional<LoopClosure> add(const Frame& frame, const cv::Mat& metres,
+                                         const PreprocessPass& on_device, const Pose& world_from_camera,
+                                         bool fused, bool well_constrained) = 0;
   /// The camera was lost.
   virtual void onTrackingLost() = 0;
   /// Closes with all that is known at the end of a run in which loops were closed. True where poses changed
@@ -51,9 +51,8 @@ class LoopCloser {
   virtual bool finish() = 0;
   /// Empties the volume and fuses the stored keyframes into it. Throws DeviceError.
   virtual void rebuild(Volume& volume) = 0;
-  /// Of all frames added, in their order, and of the keyframes, as known now.
+  /// Of all frames added, in their order, as known now.
   virtual std::vector<Pose> framePoses() const = 0;
-  virtual std::vector<Pose> keyframePoses() const = 0;
   virtual LoopFigures figures() const = 0;
 };
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/slam/tracking/pose_refiner.h"
-
 namespace rosefusion {
 namespace {
 
@@ -27,10 +25,6 @@ constexpr struct {
 // the image, of which 0.96 is known, and as much is not close to a surface in a usual frame.
 constexpr double kMostlyKnown = 0.8;
 constexpr double kElsewhere = 0.3;  // metres and radians: two places that look alike are none
-constexpr int kReportedAt = 2, kIntegratedAt = 3;
-// Where little is known: up to 6 frames agreed on places half a metre off (room 1108,
-// tests/bench/notes/relocalisation.md#another-processor-and-a-supposed-pose).
-constexpr int kReportedUnknownAt = 10;
 
 }  // namespace
 
@@ -82,32 +76,6 @@ std::optional<VerifiedPose> verifyPose(const Settings& settings, const KnownFree
   }
   const bool alone = std::all_of(found.candidates.begin(), found.candidates.end(), consider);
   return alone ? verified : std::nullopt;
-}
-
-TemporalVerification::Standing TemporalVerification::next(const std::optional<VerifiedPose>& verified,
-                                                          double relocalised_share, bool unsure, bool lost) {
-  if (!verified) {
-    end();
-    return Standing::Rejected;
-  }
-  if (unsure) {
-    was_lost_ = lost || isPending();
-    consistent_ = 0;
-    high_confidence_ = overlap_ = confident_overlap_ = false;
-  }
-  ++consistent_;
-  const bool overlap = verified->fit.observed_ratio >= relocalised_share;
-  high_confidence_ = high_confidence_ || verified->high_confidence;
-  overlap_ = overlap_ || overlap;
-  confident_overlap_ = confident_overlap_ || (overlap && verified->high_confidence);
-  if (was_lost_ && consistent_ < (confident_overlap_ ? kReportedAt
-                                  : overlap_         ? kIntegratedAt
-                                                     : kReportedUnknownAt))
-    return Standing::Tentative;
-  if (!overlap_ || consistent_ < kIntegratedAt || (high_confidence_ && !verified->high_confidence))
-    return Standing::Consistent;
-  end();
-  return Standing::Confirmed;
 }
 
 }  // namespace rosefusion

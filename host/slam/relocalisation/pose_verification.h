@@ -1,5 +1,5 @@
-// Whether a pose found for a lost camera, or after a jump, is accepted: what one image must show for it, and
-// how many consistent images it takes before it is reported and integrated.
+// Whether a pose found for a lost camera, or after a jump, is accepted: what one image must show for it. How
+// many must agree is for tracking_state.h to say.
 #pragma once
 #include <optional>
 
@@ -39,40 +39,11 @@ class InlierStatistics {
   double mean_ = 0, variance_ = 0;  ///< of the inlier ratio, the last fifty frames counting most
 };
 
-/// Of the poses found, least cost first, the one that everything seen supports: the image (as Frame::depth)
-/// shows the surfaces that should be there and none in known free space. None where two distinct poses would
-/// do. `unsure`: nothing else supports it; then it must meet `thresholds`.
+/// Of the poses found, least cost first, the one that everything seen supports: the image (of
+/// depthInMetres()) shows the surfaces that should be there and none in known free space. None where two
+/// distinct poses would do. `unsure`: nothing else supports it; then it must meet `thresholds`.
 std::optional<VerifiedPose> verifyPose(const Settings& settings, const KnownFreeSpace& free_space,
                                        const cv::Mat& depth, const TrackResult& found, bool unsure,
                                        const AcceptanceThresholds& thresholds);
-
-/// One image may match a wrong place, consecutive ones rarely do. After a loss a pose is reported from the
-/// 2nd consistent frame (3rd if none has high confidence) and integrated from the 3rd. After a jump it is
-/// reported at once and integrated from the 3rd. With little map overlap it is reported from the 10th and
-/// never integrated: an unknown occluder would match anything.
-class TemporalVerification {
- public:
-  enum class Standing {
-    Rejected,
-    Tentative,   ///< not to be reported
-    Consistent,  ///< not to be integrated
-    Confirmed
-  };
-
-  /// Whether the frames so far await more that are consistent with them.
-  bool isPending() const { return consistent_ > 0; }
-  /// Whether one of the consistent frames showed tracking.relocalised_share of what is known.
-  bool hasOverlap() const { return overlap_; }
-  /// After a frame that was unsure, or while isPending(). `verified`: what verifyPose() says of it. `lost`:
-  /// that the frame before it had no pose.
-  Standing next(const std::optional<VerifiedPose>& verified, double relocalised_share, bool unsure,
-                bool lost);
-  void end() { consistent_ = 0; }
-
- private:
-  int consistent_ = 0;  ///< frames in turn, since one that was unsure
-  bool high_confidence_ = false, overlap_ = false, confident_overlap_ = false;  ///< one of them
-  bool was_lost_ = false;
-};
 
 }  // namespace rosefusion

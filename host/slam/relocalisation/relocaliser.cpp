@@ -8,9 +8,8 @@
 namespace rosefusion {
 namespace {
 
-// A keyframe is added where none is within this; the surroundings of each are searched when lost.
-constexpr double kKeyframeShift = 0.4, kKeyframeTurn = 0.4;
-constexpr std::size_t kSearchedAtOnce = 32;  // keyframes; of more, each frame takes the next ones
+constexpr std::size_t kSearchedAtOnce =
+    32;  // keyframes' surroundings; of more, each frame takes the next ones
 
 // Of plane alignment: rotations come from the commonest directions, by the least share of normals of each.
 constexpr std::size_t kDirectionsOfView = 5, kDirectionsOfModel = 20, kRotations = 48;
@@ -18,21 +17,20 @@ constexpr double kShareOfView = 0.04, kShareOfModel = 0.008;
 constexpr std::size_t kAligned = 1000, kAlignedKept = 48;  // poses, before and after a quick score
 constexpr double kAgainstCounts = 4;  // what speaks against a place, to the patches that meet the model
 
-std::vector<PoseHypothesis> planeHypotheses(const CoarseMap& coarse, const cv::Mat& depth) {
-  const std::vector<SurfacePatch> view = coarse.patchesOf(depth);
-  const auto rotations = rotationHypotheses(
-      dominantDirections(normalsOf(view), kShareOfView, kDirectionsOfView),
-      dominantDirections(normalsOf(coarse.patches()), kShareOfModel, kDirectionsOfModel), kRotations);
-  return poseHypotheses(view, coarse.patches(), rotations, kAligned);
+std::vector<PoseHypothesis> planeHypotheses(const Keyframes& keyframes, const cv::Mat& metres) {
+  const std::vector<SurfacePatch> view = keyframes.patchesOf(metres), known = keyframes.patches();
+  const auto rotations =
+      rotationHypotheses(dominantDirections(normalsOf(view), kShareOfView, kDirectionsOfView),
+                         dominantDirections(normalsOf(known), kShareOfModel, kDirectionsOfModel), kRotations);
+  return poseHypotheses(view, known, rotations, kAligned);
 }
 
 /// Where the surfaces in the image lie on known ones and not where there was nothing, the likeliest first.
-std::vector<Pose> likelyHypotheses(const CoarseMap& coarse, const KnownFreeSpace& free_space,
-                                   const cv::Mat& depth) {
-  const std::vector<PoseHypothesis> places = planeHypotheses(coarse, depth);
+std::vector<Pose> likelyHypotheses(const Map& map, const cv::Mat& metres) {
+  const std::vector<PoseHypothesis> places = planeHypotheses(map.keyframes, metres);
   std::vector<Pose> poses;
   for (const PoseHypothesis& place : places) poses.push_back(place.world_from_camera);
-  const std::vector<double> against = free_space.quickScore(depth, poses);
+  const std::vector<double> against = map.free_space.quickScore(metres, poses);
   std::vector<std::size_t> order(places.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto likeliness = [&](std::size_t i) { return places[i].met - kAgainstCounts * against[i]; };
@@ -46,33 +44,18 @@ std::vector<Pose> likelyHypotheses(const CoarseMap& coarse, const KnownFreeSpace
 
 }  // namespace
 
-bool Relocaliser::addKeyframe(const Pose& pose) {
-  const auto near = [&](const Pose& keyframe) {
-    return areNear(keyframe, pose, kKeyframeShift, kKeyframeTurn);
-  };
-  if (std::any_of(keyframes_.begin(), keyframes_.end(), near)) return false;
-  keyframes_.push_back(pose);
-  return true;
-}
-
-void Relocaliser::rebase(std::span<const Pose> keyframes) {
-  keyframes_.clear();
-  for (const Pose& keyframe : keyframes) addKeyframe(keyframe);
-}
-
-TrackResult Relocaliser::find(const PreprocessPass& frame, const cv::Mat& depth, const Volume& volume,
-                              const CoarseMap& coarse, const KnownFreeSpace& free_space, double timestamp) {
+TrackResult Relocaliser::find(const PreprocessPass& frame, const cv::Mat& metres, const Map& map,
+                              const TrackHistory& before, double timestamp, const SearchObserver& observer) {
+  const std::vector<Keyframe>& keyframes = map.keyframes.all();
   // Where it is expected is followed, whatever the keyframes' surroundings promise.
-  auto [centres, followed] = tracker_.expectedPoses(timestamp);
-  for (std::size_t i = 0; i < std::min(kSearchedAtOnce, keyframes_.size()); ++i)
-    centres.push_back(keyframes_[searched_++ % keyframes_.size()]);
-  SwarmSearch& search = tracker_.swarmSearch();
-  PoseRefiner& refiner = tracker_.refiner();
-  const std::vector<Pose> more = alignCoarsely(refiner, settings_.refine, frame, coarse.volume(),
-                                               likelyHypotheses(coarse, free_space, depth));
-  TrackResult found = searchAround(search, refiner, settings_.refine, frame, volume, centres, followed,
-                                   tracker_.observer(), more);
-  searchAlongNormals(refiner, settings_.refine, volume, found);
+  auto [centres, followed] = before.expectedPoses(timestamp);
+  for (std::size_t i = 0; i < std::min(kSearchedAtOnce, keyframes.size()); ++i)
+    centres.push_back(keyframes[searched_++ % keyframes.size()].world_from_camera);
+  const std::vector<Pose> more =
+      alignCoarsely(refiner_, settings_, frame, map.coarse.volume(), likelyHypotheses(map, metres));
+  TrackResult found =
+      searchAround(search_, refiner_, settings_, frame, map.volume, centres, followed, observer, more);
+  searchAlongNormals(refiner_, settings_, map.volume, found);
   return found;
 }
 

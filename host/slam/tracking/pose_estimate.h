@@ -8,6 +8,18 @@
 
 namespace rosefusion {
 
+/// Up to so many times refine.least_constraint errors of the model can still carry a pose along, and a wrong
+/// place seems to hold it
+/// (tests/bench/notes/relocalisation.md#found-where-its-motion-leads-and-slides-that-show).
+inline constexpr double kWeakConstraint = 4;
+
+/// How well the depth fits the model at a pose, over the overlap with the last frame.
+struct PoseScore {
+  double residual = 1;     ///< in truncations: RMS of psi, or its mean size with swarm.loss = absolute
+  double overlap = 0;      ///< share of the valid pixels that fall inside the last frame's image
+  double valid_share = 0;  ///< share of the grid's pixels with valid depth
+};
+
 /// How the depth fits the model at a pose. Shares are of the frame's valid pixels on the grid looked at.
 struct PoseFit {
   Pose world_from_camera = Pose::Identity();
@@ -34,7 +46,9 @@ struct TrackResult {
   std::uint64_t lookups = 0;        ///< TSDF voxels read; of icp the pixels paired
   std::optional<PoseFit> fit;       ///< where the refinement ended; empty without it
   std::vector<PoseFit> candidates;  ///< of a search of the whole model: distinct poses, least cost first
-  bool jump = false;                ///< fits far worse than the frames before it, or came long after them
+  /// Of the best of all starts, on few pixels: what a frame's is compared with those before it by. None of
+  /// methods that do not ask.
+  std::optional<double> cost;
 };
 
 }  // namespace rosefusion

@@ -1,9 +1,9 @@
-// One way to find a frame's pose from the last frame's.
+// One way to find a frame's pose from what the frames before it tell.
 #pragma once
 #include "engine/passes/preprocess.h"
 #include "engine/volume.h"
-#include "host/slam/tracking/pose_estimate.h"
 #include "host/slam/tracking/search_observer.h"
+#include "host/slam/tracking/track_history.h"
 
 namespace rosefusion {
 
@@ -11,10 +11,14 @@ namespace rosefusion {
 class PoseMethod {
  public:
   virtual ~PoseMethod() = default;
-  /// Pose of the frame held by `frame`, searched from `last`, the last frame's. The searches with particles
-  /// tell `observer` of every iteration.
-  virtual TrackResult track(const PreprocessPass& frame, const Volume& volume, const Pose& last,
-                            const SearchObserver& observer = {}) = 0;
+  /// Pose of the frame held by `frame`, taken at `timestamp`. Changes nothing that the next frame's pose
+  /// depends on but the random search's own numbers. The searches with particles tell `observer` of every
+  /// iteration.
+  virtual TrackResult track(const PreprocessPass& frame, const Volume& volume, const TrackHistory& history,
+                            double timestamp, const SearchObserver& observer = {}) = 0;
+  /// Whether a lost camera is to be searched for in the whole map; else the next frame starts where the last
+  /// one was.
+  virtual bool relocalises() const { return false; }
 };
 
 }  // namespace rosefusion

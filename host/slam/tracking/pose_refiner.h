@@ -14,12 +14,8 @@
 namespace rosefusion {
 
 inline constexpr int kVoxelsPerPoint = 27;  ///< that the descent reads
-/// Up to so many times refine.least_constraint errors of the model can still carry a pose along, and a wrong
-/// place seems to hold it
-/// (tests/bench/notes/relocalisation.md#found-where-its-motion-leads-and-slides-that-show).
-inline constexpr double kWeakConstraint = 4;
-/// And up to so many, colour still holds a pose better than depth alone. Beyond, colour that was taken at
-/// another moment than its depth costs more than it brings.
+/// Up to so many times refine.least_constraint colour still holds a pose better than depth alone. Beyond,
+/// colour that was taken at another moment than its depth costs more than it brings.
 inline constexpr double kAsksColour = 12;
 
 class PoseRefiner {

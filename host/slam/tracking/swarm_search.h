@@ -6,17 +6,11 @@
 #include <vector>
 
 #include "host/slam/tracking/particle_evaluator.h"
+#include "host/slam/tracking/pose_estimate.h"
 #include "host/slam/tracking/search_observer.h"
 #include "host/swarm/swarm_update.h"
 
 namespace rosefusion {
-
-/// How well the depth fits the model at a pose, over the overlap with the last frame.
-struct PoseScore {
-  double residual = 1;     ///< in truncations: RMS of psi, or its mean size with swarm.loss = absolute
-  double overlap = 0;      ///< share of the valid pixels that fall inside the last frame's image
-  double valid_share = 0;  ///< share of the grid's pixels with valid depth
-};
 
 struct ScannedPose {
   Pose world_from_camera = Pose::Identity();

@@ -279,8 +279,12 @@ TEST_F(PipelineTest, FrameWithoutDepthIsLostAndNotFused) {
   EXPECT_EQ(result.status, TrackingStatus::Lost);
   EXPECT_EQ(result.reason, Reason::LittleDepth);
   EXPECT_EQ(pipeline.volume().download().weight, before.weight);
-  EXPECT_NE(pipeline.processFrame(shortSequence().frames[1]).status, TrackingStatus::Lost)
-      << "the next good frame resumes";
+  EXPECT_FALSE(result.number);
+  EXPECT_EQ(pipeline.trajectory().size(), 1u);
+  const FrameResult next = pipeline.processFrame(shortSequence().frames[1]);
+  EXPECT_NE(next.status, TrackingStatus::Lost) << "the next good frame resumes";
+  ASSERT_EQ(next.number, 1u);
+  EXPECT_EQ(pipeline.trajectory()[1].world_from_camera.matrix(), next.world_from_camera.matrix());
 }
 
 TEST_F(PipelineTest, FirstFrameWithoutDepthStartsNothing) {

@@ -11,11 +11,11 @@ namespace test_keyframe_views {
 constexpr Intrinsics kCamera{160, 120, 80, 80, 79.5, 59.5};  // 90 degrees wide
 
 cv::Mat wallAt(double metres) {
-  return cv::Mat(120, 160, CV_16U, cv::Scalar(metres * 1000));
+  return cv::Mat(120, 160, CV_32F, cv::Scalar(metres));
 }
 
 KeyframeViews viewsOf(const std::vector<cv::Mat>& images) {
-  KeyframeViews views(kCamera, DepthSettings{}, 1000);
+  KeyframeViews views(kCamera);
   for (const cv::Mat& image : images) views.add(image);
   return views;
 }

@@ -6,6 +6,7 @@
 #include "host/core/error.h"
 #include "host/run/report.h"
 #include "host/slam/loop_closure/loop_closer.h"
+#include "host/slam/mapping/depth_image.h"
 #include "host/slam/mapping/frame_integrator.h"
 #include "tests/engine/validating_device.h"
 #include "tests/host/slam/loop_closure/ring_walk.h"
@@ -144,7 +145,8 @@ Jump closeOver(Device& device, int jump, bool constrained, double share, double 
     const Frame frame = ringFrame(tracer, i, 1);
     fuser.recordFrame(recorder, frame);
     recorder.submit();
-    if (closer->add(frame, fuser.frame(), out.believed.back(), true, constrained || i != jump))
+    const cv::Mat metres = depthInMetres(frame.depth, settings.depth, kRingUnits);
+    if (closer->add(frame, metres, fuser.frame(), out.believed.back(), true, constrained || i != jump))
       out.closed_at = i;
   }
   out.corrected = closer->framePoses();

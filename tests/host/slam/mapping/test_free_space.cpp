@@ -7,14 +7,13 @@ namespace rosefusion::testing {
 namespace test_free_space {
 
 const Intrinsics kCamera{320, 240, 250, 250, 159.5, 119.5};
-constexpr double kUnits = 1000;
 constexpr int kWall_mm = 3000;
 
 cv::Mat wall(int depth_mm = kWall_mm) {
-  return cv::Mat(kCamera.height, kCamera.width, CV_16UC1, cv::Scalar(depth_mm));
+  return cv::Mat(kCamera.height, kCamera.width, CV_32FC1, cv::Scalar(depth_mm / 1000.0));
 }
 cv::Mat withHand(cv::Mat image, int hand_mm = 400) {
-  image(cv::Rect(0, 0, kCamera.width / 2, kCamera.height)).setTo(hand_mm);
+  image(cv::Rect(0, 0, kCamera.width / 2, kCamera.height)).setTo(hand_mm / 1000.0);
   return image;
 }
 Pose at(double x, double y, double z) {
@@ -25,7 +24,12 @@ Pose at(double x, double y, double z) {
 
 class SeenThroughTest : public ::testing::Test {
  protected:
-  KnownFreeSpace seen_{kCamera, DepthSettings{}, kUnits};
+  void keep(const cv::Mat& image, const Pose& pose, std::size_t frame) {
+    keyframes_.setLast(image, pose, frame);
+    keyframes_.offer(image, pose, frame);
+  }
+  Keyframes keyframes_{kCamera};
+  KnownFreeSpace seen_{kCamera, DepthSettings{}, keyframes_};
 };
 
 TEST_F(SeenThroughTest, NothingIsKnownAtFirst) {
@@ -34,7 +38,7 @@ TEST_F(SeenThroughTest, NothingIsKnownAtFirst) {
 }
 
 TEST_F(SeenThroughTest, TheStaticSceneFromAnywhereIsNot) {
-  seen_.keep(wall(), at(0, 0, 0), 0);
+  keep(wall(), at(0, 0, 0), 0);
   EXPECT_EQ(seen_.violationOfLast(wall(), at(0, 0, 0)), 0);
   EXPECT_EQ(seen_.violationOfLast(wall(), at(0.3, -0.2, 0)), 0);
   EXPECT_EQ(seen_.violationOfLast(wall(kWall_mm - 500), at(0, 0, 0.5)), 0) << "it came nearer";
@@ -44,7 +48,7 @@ TEST_F(SeenThroughTest, TheStaticSceneFromAnywhereIsNot) {
 }
 
 TEST_F(SeenThroughTest, SomethingBeforeTheCameraIs) {
-  seen_.keep(wall(), at(0, 0, 0), 0);
+  keep(wall(), at(0, 0, 0), 0);
   // But for the border, about which the kept image says nothing.
   EXPECT_NEAR(seen_.violationOfLast(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
   EXPECT_NEAR(seen_.violation(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
@@ -54,22 +58,22 @@ TEST_F(SeenThroughTest, SomethingBeforeTheCameraIs) {
 }
 
 TEST_F(SeenThroughTest, APoseThatIsWrongIs) {
-  seen_.keep(wall(), at(0, 0, 0), 0);
+  keep(wall(), at(0, 0, 0), 0);
   EXPECT_GT(seen_.violationOfLast(wall(), at(0, 0, -0.5)), 0.6);
 }
 
 TEST_F(SeenThroughTest, WhereTheKeptImageIsInvalidNothingIsKnown) {
   cv::Mat blind = wall();
   blind.setTo(0);
-  seen_.keep(blind, at(0, 0, 0), 0);
+  keep(blind, at(0, 0, 0), 0);
   EXPECT_EQ(seen_.violationOfLast(withHand(wall()), at(0, 0, 0)), 0);
-  seen_.keep(wall(), at(0, 0, 0), 0);
+  keep(wall(), at(0, 0, 0), 0);
   EXPECT_EQ(seen_.violationOfLast(blind, at(0, 0, 0)), 0) << "no valid pixel, no share";
 }
 
 TEST_F(SeenThroughTest, ASurfaceThatShouldBeInViewIsMissedWhereTheImageLooksThroughIt) {
   EXPECT_EQ(seen_.missingSurface(wall(), at(0, 0, 0)), 0);
-  seen_.keep(withHand(wall(), 1500), at(0, 0, 0), 0);
+  keep(withHand(wall(), 1500), at(0, 0, 0), 0);
   EXPECT_EQ(seen_.missingSurface(withHand(wall(), 1500), at(0, 0, 0)), 0);
   EXPECT_EQ(seen_.missingSurface(withHand(wall(), 1500 + 80), at(0, 0, 0)), 0) << "noise";
   EXPECT_NEAR(seen_.missingSurface(wall(), at(0, 0, 0)), 0.5, 0.05) << "the near half is not there";
@@ -79,24 +83,24 @@ TEST_F(SeenThroughTest, ASurfaceThatShouldBeInViewIsMissedWhereTheImageLooksThro
 }
 
 TEST_F(SeenThroughTest, EarlierImagesAreRemembered) {
-  seen_.keep(wall(), at(0, 0, 0), 0);
-  seen_.keep(wall(), at(20, 0, 0), 1);
+  keep(wall(), at(0, 0, 0), 0);
+  keep(wall(), at(20, 0, 0), 1);
   EXPECT_EQ(seen_.violationOfLast(withHand(wall()), at(0, 0, 0)), 0);
   EXPECT_NEAR(seen_.violation(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
 }
 
 TEST_F(SeenThroughTest, AfterACorrectionImagesAreWhereTheirFramesAre) {
-  seen_.keep(wall(), at(0, 0, 0), 0);
-  seen_.keep(wall(), at(20, 0, 0), 1);
+  keep(wall(), at(0, 0, 0), 0);
+  keep(wall(), at(20, 0, 0), 1);
   const std::vector<Pose> corrected{at(5, 0, 0), at(30, 0, 0)};
-  seen_.rebase(corrected);
+  keyframes_.move(corrected);
   EXPECT_EQ(seen_.violation(withHand(wall()), at(0, 0, 0)), 0);
   EXPECT_NEAR(seen_.violation(withHand(wall()), at(5, 0, 0)), 0.5, 0.05);
   EXPECT_NEAR(seen_.violationOfLast(withHand(wall()), at(30, 0, 0)), 0.5, 0.05);
 }
 
 TEST_F(SeenThroughTest, AGlanceForgivesADecimetre) {
-  seen_.keep(wall(), at(0, 0, 0), 0);
+  keep(wall(), at(0, 0, 0), 0);
   const auto quickScore = [&](const cv::Mat& depth, const Pose& place) {
     return seen_.quickScore(depth, std::vector<Pose>{place}).at(0);
   };

@@ -1,67 +1,10 @@
-// How many frames must agree before one is told, and before one is fused.
+// What a pose must show after frames that fitted as they did.
 #include "host/slam/relocalisation/pose_verification.h"
 
 #include <gtest/gtest.h>
 
 namespace rosefusion::testing {
 namespace test_pose_verification {
-
-using Standing = TemporalVerification::Standing;
-constexpr double kShare = 0.5;
-
-std::optional<VerifiedPose> showing(double usable, bool confident = true) {
-  VerifiedPose out;
-  out.fit.observed_ratio = usable;
-  out.high_confidence = confident;
-  return out;
-}
-
-TEST(TemporalVerification, ALostCameraIsToldAtTheSecondFrameAndFusedAtTheThird) {
-  TemporalVerification c;
-  EXPECT_FALSE(c.isPending());
-  EXPECT_EQ(c.next(showing(0.8), kShare, true, true), Standing::Tentative);
-  EXPECT_TRUE(c.isPending());
-  EXPECT_EQ(c.next(showing(0.8), kShare, false, false), Standing::Consistent);
-  EXPECT_TRUE(c.isPending());
-  EXPECT_EQ(c.next(showing(0.8), kShare, false, false), Standing::Confirmed);
-  EXPECT_FALSE(c.isPending());
-}
-
-TEST(TemporalVerification, ASuddenChangeIsToldAtOnceAndFusedAtTheThird) {
-  TemporalVerification c;
-  EXPECT_EQ(c.next(showing(0.8), kShare, true, false), Standing::Consistent);
-  EXPECT_EQ(c.next(showing(0.8), kShare, false, false), Standing::Consistent);
-  EXPECT_EQ(c.next(showing(0.8), kShare, false, false), Standing::Confirmed);
-}
-
-TEST(TemporalVerification, ASecondChangeWhileOneIsAwaitedBeginsAnewAsAfterALoss) {
-  TemporalVerification c;
-  EXPECT_EQ(c.next(showing(0.8), kShare, true, false), Standing::Consistent);
-  EXPECT_EQ(c.next(showing(0.8), kShare, true, false), Standing::Tentative);
-  EXPECT_EQ(c.next(showing(0.8), kShare, false, false), Standing::Consistent);
-  EXPECT_EQ(c.next(showing(0.8), kShare, false, false), Standing::Confirmed);
-}
-
-TEST(TemporalVerification, WhileLittleIsKnownOfTheViewNothingIsFusedAndItIsToldLate) {
-  TemporalVerification c;
-  EXPECT_EQ(c.next(showing(0.4), kShare, true, true), Standing::Tentative);
-  for (int i = 2; i < 15; ++i) {
-    EXPECT_EQ(c.next(showing(0.4), kShare, false, false),
-              i < 10 ? Standing::Tentative : Standing::Consistent);
-    EXPECT_FALSE(c.hasOverlap());
-  }
-  EXPECT_EQ(c.next(showing(0.5), kShare, false, false), Standing::Confirmed);
-  // What an earlier place knew speaks for no other.
-  EXPECT_EQ(c.next(showing(0.4), kShare, true, true), Standing::Tentative);
-  EXPECT_FALSE(c.hasOverlap());
-}
-
-TEST(TemporalVerification, OnceOneKnewEnoughTheNextMayKnowLess) {
-  TemporalVerification c;
-  EXPECT_EQ(c.next(showing(0.5), kShare, true, true), Standing::Tentative);
-  EXPECT_EQ(c.next(showing(0.3), kShare, false, false), Standing::Consistent);
-  EXPECT_EQ(c.next(showing(0.3), kShare, false, false), Standing::Confirmed);
-}
 
 PoseFit closeBy(double share) {
   PoseFit fit;
@@ -97,32 +40,6 @@ TEST(InlierStatistics, WhereFramesDifferAFoundPlaceMayDifferAsMuch) {
   EXPECT_NEAR(usual.thresholds(true, kIntruding).inlier_ratio, 0.96 - 3 * 0.02, 0.002);
   EXPECT_NEAR(usual.thresholds(true, kIntruding).free_space, 0.04, 0.001);
   EXPECT_EQ(usual.thresholds(false, kIntruding).free_space, kIntrudingWhenFound * kIntruding);
-}
-
-TEST(TemporalVerification, WhatContradictsALittleIsToldAtTheThirdFrame) {
-  TemporalVerification c;
-  EXPECT_EQ(c.next(showing(0.8, false), kShare, true, true), Standing::Tentative);
-  EXPECT_EQ(c.next(showing(0.4, true), kShare, false, false), Standing::Tentative);
-  EXPECT_EQ(c.next(showing(0.8, false), kShare, false, false), Standing::Consistent)
-      << "the second had high confidence";
-  EXPECT_EQ(c.next(showing(0.8, true), kShare, false, false), Standing::Confirmed);
-}
-
-TEST(TemporalVerification, WithoutAFirmFrameThreeAreEnough) {
-  TemporalVerification c;
-  EXPECT_EQ(c.next(showing(0.8, false), kShare, true, true), Standing::Tentative);
-  EXPECT_EQ(c.next(showing(0.8, false), kShare, false, false), Standing::Tentative);
-  EXPECT_EQ(c.next(showing(0.8, false), kShare, false, false), Standing::Confirmed);
-}
-
-TEST(TemporalVerification, AFrameThatFitsNowhereEndsIt) {
-  TemporalVerification c;
-  EXPECT_EQ(c.next(showing(0.8), kShare, true, true), Standing::Tentative);
-  EXPECT_EQ(c.next({}, kShare, false, false), Standing::Rejected);
-  EXPECT_FALSE(c.isPending());
-  c.next(showing(0.8), kShare, true, true);
-  c.end();
-  EXPECT_FALSE(c.isPending());
 }
 
 }  // namespace test_pose_verification

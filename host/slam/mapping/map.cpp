@@ -1,0 +1,30 @@
+#include "host/slam/mapping/map.h"
+
+#include <stdexcept>
+
+#include "host/slam/mapping/frame_integrator.h"
+
+namespace rosefusion {
+
+Map::Map(Device& device, const Settings& settings, const Intrinsics& camera)
+    : volume(device, volumeOptions(settings.volume)),
+      coarse(device, settings.volume),
+      keyframes(camera),
+      free_space(camera, settings.depth, keyframes) {}
+
+void Map::move(std::span<const Pose> corrected) {
+  if (corrected.size() != trajectory.size())
+    throw std::logic_error("Not every pose is corrected; this is a mistake in the program.");
+  for (std::size_t i = 0; i < corrected.size(); ++i) trajectory[i].world_from_camera = corrected[i];
+  keyframes.move(corrected);
+  coarse.expire();
+}
+
+void Map::clear() {
+  volume.clear();
+  coarse.clear();
+  keyframes.clear();
+  trajectory.clear();
+}
+
+}  // namespace rosefusion
