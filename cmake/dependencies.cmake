@@ -53,6 +53,8 @@ if(ROSEFUSION_APPS)
   rosefusion_require_module(SQLITE sqlite3 libsqlite3-dev)
   rosefusion_require_module(ZLIB_STREAMS zlib zlib1g-dev)
   rosefusion_require_module(ZIP libzip libzip-dev)
+  # Of exported meshes and pages.
+  rosefusion_require(meshoptimizer libmeshoptimizer-dev "")
 endif()
 include(cmake/opencv.cmake)
 if(ROSEFUSION_TESTS)

@@ -6,6 +6,7 @@
 namespace rosefusion::cli {
 
 void addRunCommand(CLI::App& app);
+void addExportCommand(CLI::App& app);
 void addDevicesCommand(CLI::App& app);
 void addDoctorCommand(CLI::App& app);
 void addCheckCommand(CLI::App& app);

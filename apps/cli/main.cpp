@@ -18,6 +18,7 @@ int runCommandLine(int argc, char** argv) {
   addCheckCommand(app);
   addEvalCommand(app);
   addEvalMeshCommand(app);
+  addExportCommand(app);
   addSynthCommand(app);
   addPstCommand(app);
   addDevicesCommand(app);

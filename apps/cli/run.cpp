@@ -32,6 +32,7 @@ struct RunArguments {
   std::string device;
   std::string json;
   bool validation = false;
+  bool no_page = false;
 };
 
 bool isSame(const std::filesystem::path& a, const std::filesystem::path& b) {
@@ -172,7 +173,7 @@ void run(const RunArguments& o) {
   }
   if (pipeline.volume().blockCount() == 0) throwNothingToWrite(o.source.source, summary);
   spdlog::info("writing {}", out);
-  folder.write(summary, info, pipeline);
+  folder.write(summary, info, pipeline, !o.no_page);
   writeJson(o.json, reportJson(summary, info, pipeline).dump(2));
   printSummary(o.json == "-" ? stderr : stdout, summary, info, out);
   for (const std::string& message : device.validationMessages()) spdlog::error("{}", message);
@@ -196,7 +197,7 @@ void run(const RunArguments& o) {
 void addRunCommand(CLI::App& app) {
   auto o = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand(
-      "run", "Reconstruct a depth sequence, camera or stream: trajectory, mesh, preview picture and report");
+      "run", "Reconstruct a depth sequence, camera or stream: trajectory, mesh, page, picture and report");
   o->source.addTo(*command);
   command->get_option("SOURCE")->description(command->get_option("SOURCE")->get_description() +
                                              ", or network stream (tcp://*:PORT)");
@@ -215,6 +216,8 @@ void addRunCommand(CLI::App& app) {
       ->allow_extra_args(false);
   command->add_option("--device", o->device, "Device by index, name or type (see 'rosefusion devices')");
   command->add_option("--json", o->json, "Also write the report here; '-': standard output");
+  command->add_flag("--no-page", o->no_page,
+                    "Leave out view.html, the page that shows the result in a browser");
   command->add_flag("--validation", o->validation, "Run with the Vulkan validation layer (slow)");
   command->footer(
       "Examples:\n"

@@ -12,6 +12,7 @@
 #include "host/run/likely_cause.h"
 #include "host/run/preview.h"
 #include "host/run/report.h"
+#include "host/run/result.h"
 #include "host/slam/mapping/mesh_extraction.h"
 
 namespace rosefusion {
@@ -43,7 +44,8 @@ void OutputFolder::removeEarlier() const {
   }
 }
 
-void OutputFolder::write(const RunSummary& summary, const SequenceInfo& info, Pipeline& pipeline) const {
+void OutputFolder::write(const RunSummary& summary, const SequenceInfo& info, Pipeline& pipeline,
+                         bool page) const {
   const Trajectory trajectory = trajectoryOf(summary);
   writeFileAtomically(folder_ / "settings.yaml", toYaml(pipeline.settings()));
   writeTumTrajectory(folder_ / "trajectory.txt", trajectory);
@@ -51,7 +53,7 @@ void OutputFolder::write(const RunSummary& summary, const SequenceInfo& info, Pi
 
   const MeshSettings& mesh = pipeline.settings().mesh;
   ExtractPass extract(pipeline.device());
-  const TriangleMesh surface =
+  TriangleMesh surface =
       extractMesh(extract, pipeline.volume(),
                   {static_cast<float>(mesh.min_weight), static_cast<std::size_t>(mesh.min_component)});
   if (surface.triangles.empty())
@@ -64,6 +66,11 @@ void OutputFolder::write(const RunSummary& summary, const SequenceInfo& info, Pi
   cv::imencode(".png", renderOverview(pipeline, trajectory), png);
   writeFileAtomically(folder_ / "preview.png", {reinterpret_cast<const char*>(png.data()), png.size()});
 
+  if (page)
+    writeFileAtomically(
+        folder_ / "view.html",
+        pageOf(pageContentOf(settledPath(info.path).filename().string(), std::move(surface),
+                             pageFramesOf(summary, info.seconds_per_stamp), info.intrinsics)));
   writeFileAtomically(folder_ / "report.json", reportJson(summary, info, pipeline).dump(2) + "\n");
 }
 

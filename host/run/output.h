@@ -6,8 +6,8 @@
 
 namespace rosefusion {
 
-inline constexpr const char* kOutputFiles[] = {"trajectory.txt", "mesh.ply",      "preview.png",
-                                               "frames.csv",     "settings.yaml", "report.json"};
+inline constexpr const char* kOutputFiles[] = {"trajectory.txt", "mesh.ply",  "preview.png", "frames.csv",
+                                               "settings.yaml",  "view.html", "report.json"};
 
 /// The output folder of one run.
 class OutputFolder {
@@ -21,8 +21,8 @@ class OutputFolder {
   /// run's result: once the frames are about to come, since a mistyped setting must not cost a result.
   void removeEarlier() const;
   /// Writes all of kOutputFiles, report.json last: its presence says that the others are complete. Without a
-  /// triangle there is no mesh.ply, with a warning. Throws InputError.
-  void write(const RunSummary& summary, const SequenceInfo& info, Pipeline& pipeline) const;
+  /// triangle there is no mesh.ply, with a warning. `page`: view.html too. Throws InputError.
+  void write(const RunSummary& summary, const SequenceInfo& info, Pipeline& pipeline, bool page = true) const;
 
  private:
   std::filesystem::path folder_;

@@ -73,6 +73,10 @@ Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& p
   const DeviceInfo& device = pipeline.device().info();
   Json report;
   report["sequence"] = {{"path", info.path.string()}, {"format", info.format}};
+  if (info.seconds_per_stamp != 1) report["sequence"]["seconds_per_stamp"] = info.seconds_per_stamp;
+  const Intrinsics& k = info.intrinsics;
+  report["camera"] = {{"width", k.width}, {"height", k.height}, {"fx", k.fx},
+                      {"fy", k.fy},       {"cx", k.cx},         {"cy", k.cy}};
   report["device"] = {{"name", device.name}, {"driver", device.driver}, {"type", toString(device.type)}};
   report["end"] = toString(summary.end);
   report["frames"] = summary.frames.size();

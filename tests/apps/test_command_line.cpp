@@ -55,6 +55,7 @@ TEST(CommandLine, BadInputEndsInOneSentenceThatNamesIt) {
                         Case{"run " + empty + " --config nosuch.yaml", "nosuch.yaml"},
                         Case{"check " + empty, empty},
                         Case{"eval /nowhere/a /nowhere/b", "/nowhere/"},
+                        Case{"export " + empty + " --to a.glb", "report.json"},
                         Case{"eval-mesh /nowhere/a.ply /nowhere/b.ply", "/nowhere/a.ply"},
                         Case{"pst --inspect /nowhere/p.bin", "/nowhere/p.bin"},
                         Case{"bench --suite tracking --meshes /nowhere/meshes", "/nowhere/meshes"},
@@ -177,7 +178,7 @@ TEST(CommandLine, InterruptFinishesTheFiles) {
   // A fast machine may have finished before the signal.
   EXPECT_TRUE(outcome.code == kExitInterrupted || outcome.code == 0) << outcome.text;
   for (const char* file :
-       {"trajectory.txt", "mesh.ply", "preview.png", "frames.csv", "settings.yaml", "report.json"})
+       {"trajectory.txt", "mesh.ply", "preview.png", "frames.csv", "settings.yaml", "view.html", "report.json"})
     EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(out) / file)) << file << "\n" << outcome.text;
 }
 

@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# What 'rosefusion export' and 'run' write for others, looked at by those: exported.sh PROGRAM gltf|page. Ends with 77 (skipped) and a
+# word where the other program is not there: Node.js with npm's gltf-validator, or Chromium.
+set -euo pipefail
+program=$1 part=$2
+fail() { echo "exported: $*" >&2; exit 1; }
+skip() { echo "exported: skipped, $*"; exit 77; }
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+if [[ $part == gltf ]]; then
+  command -v node >/dev/null && command -v npm >/dev/null || skip "there is no Node.js with npm."
+  (cd "$folder" && timeout 120 npm install --silent --no-audit --no-fund gltf-validator@2.0.0-dev.3.10 >/dev/null 2>&1) ||
+    skip "npm does not reach gltf-validator."
+else
+  chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome) || skip "there is no Chromium."
+fi
+
+"$program" synth "$folder/s" --frames 8 --width 160 --height 120 >/dev/null
+"$program" run "$folder/s" --out "$folder/o" >/dev/null
+
+if [[ $part == gltf ]]; then
+  "$program" export "$folder/o" --to "$folder/a.glb" --max-error 0.01 --to "$folder/b.obj"
+  "$program" synth "$folder/t" --frames 8 --width 160 --height 120 --no-colour >/dev/null
+  "$program" run "$folder/t" --out "$folder/p" --no-page >/dev/null
+  [[ ! -e $folder/p/view.html ]] || fail "--no-page wrote a page."
+  "$program" export "$folder/p" --to "$folder/c.glb" --up z
+  cat >"$folder/validate.js" <<'JS'
+const validator = require('gltf-validator'), fs = require('fs');
+validator.validateBytes(new Uint8Array(fs.readFileSync(process.argv[2]))).then(({issues}) => {
+  console.log(process.argv[2], JSON.stringify(issues));
+  process.exit(issues.numErrors + issues.numWarnings === 0 ? 0 : 1);
+});
+JS
+  for file in a.glb c.glb; do (cd "$folder" && node validate.js "$folder/$file") || fail "the validator finds fault with $file."; done
+  "$program" export "$folder/o" --to "$folder/n" --as nerfstudio >/dev/null
+  node -e 'const t = JSON.parse(require("fs").readFileSync(process.argv[1] + "/transforms.json"));
+    for (const f of t.frames) for (const p of [f.file_path, f.depth_file_path]) require("fs").accessSync(process.argv[1] + "/" + p);
+    if (t.frames.length < 6) throw new Error("only " + t.frames.length + " frames");' "$folder/n"
+  "$program" export "$folder/o" --to "$folder/m" --as colmap >/dev/null
+  [[ $(grep -c '\.jpg$' "$folder/m/sparse/0/images.txt") -ge 6 ]] || fail "COLMAP's model lists too few images."
+else
+  [[ -s $folder/o/view.html ]] || fail "run wrote no view.html."
+  look() {  # PAGE: its text once it is drawn, and what the console was told
+    timeout 120 "$chromium" --headless=new --no-sandbox --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader \
+      --user-data-dir="$folder/profile" --enable-logging=stderr --virtual-time-budget=30000 --timeout=90000 --dump-dom "file://$1" \
+      >"$folder/dom" 2>"$folder/log" || fail "Chromium ended badly: $(tail -n 3 "$folder/log")"
+  }
+  look "$folder/o/view.html"
+  grep 'CONSOLE' "$folder/log" | grep -iE 'error|uncaught|warn' >&2 && fail "the page complains on the console."
+  grep -q 'data-drawn="1"' "$folder/dom" || fail "the page was not drawn: $(grep -o 'id="wait".*' "$folder/dom" | head -c 300)"
+  grep -q '8 frames: ' "$folder/dom" || fail "the page does not count its frames."
+  # And the test sees a page that does not work.
+  sed -E 's|(<script id="model"[^>]*>).{40}|\1|' "$folder/o/view.html" >"$folder/damaged.html"
+  look "$folder/damaged.html"
+  ! grep -q 'data-drawn="1"' "$folder/dom" || fail "a damaged page counts as drawn."
+fi
+echo "exported: $part, all right."
