@@ -142,6 +142,10 @@ PYBIND11_MODULE(rosefusion, m) {
       .def_readonly("overlap", &Result::overlap)
       .def_readonly("milliseconds", &Result::milliseconds)
       .def_readonly("began_anew", &Result::began_anew)
+      .def_property_readonly("covariance",
+                             [](const Result& r) {
+                               return py::array_t<double>({6, 6}, r.covariance.data());
+                             })
       .def_property_readonly("world_from_camera",
                              [](const Result& r) { return toArray(r.world_from_camera); });
   py::class_<Mesh>(m, "Mesh", "World frame, metres; arrays of three columns.")

@@ -81,6 +81,8 @@ Result toResult(const FrameResult& result) {
   out.reason = toString(result.reason);
   out.residual = result.score.residual;
   out.overlap = result.score.overlap;
+  if (result.fit && result.status != TrackingStatus::Lost)
+    Eigen::Map<Eigen::Matrix<double, 6, 6>>(out.covariance.data()) = result.fit->covariance;  // symmetric
   out.milliseconds = result.milliseconds.total;
   out.began_anew = result.began_anew;
   return out;

@@ -114,7 +114,7 @@ Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& p
 std::string framesCsv(const RunSummary& summary) {
   TextStream out;
   out << "frame,timestamp_s,status,reason,iterations,lookups,residual_truncations,overlap_share,valid_share,"
-         "fit_cost,fit_usable,fit_close,fit_constraint,intruding_share,fused,"
+         "fit_cost,fit_usable,fit_close,fit_constraint,deviation_m,deviation_rad,intruding_share,fused,"
          "tx_m,ty_m,tz_m,"
          "qx,qy,qz,qw,total_ms,preprocess_ms,track_ms,integrate_ms,loops_ms,loop_to_s,loop_shift_m,loop_turn_"
          "rad\n";
@@ -128,9 +128,9 @@ std::string framesCsv(const RunSummary& summary) {
         << r.score.valid_share;
     if (r.fit)
       out << ',' << r.fit->cost << ',' << r.fit->observed_ratio << ',' << r.fit->inlier_ratio << ','
-          << r.fit->observability;
+          << r.fit->observability << ',' << r.fit->shiftDeviation() << ',' << r.fit->turnDeviation();
     else
-      out << ",,,,";
+      out << ",,,,,,";
     out << ',' << r.intruding << ',' << (r.fused ? 1 : 0);
     out << ',' << t.x() << ',' << t.y() << ',' << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ','
         << q.w() << std::setprecision(3) << ',' << r.milliseconds.total << ',' << r.milliseconds.preprocess

@@ -162,8 +162,8 @@ std::string fieldText(const Settings& settings, std::string_view key, const std:
 
 bool isLiveSetting(std::string_view key) {
   return key == "tracking.min_valid_share" || key == "tracking.uncertain_overlap" ||
-         key == "tracking.uncertain_residual" || key == "tracking.lost_residual" ||
-         key == "tracking.relocalised_share" || key.starts_with("mesh.");
+         key == "tracking.uncertain_residual" || key == "tracking.uncertain_deviation" ||
+         key == "tracking.lost_residual" || key == "tracking.relocalised_share" || key.starts_with("mesh.");
 }
 
 void applyAssignment(Settings& settings, const std::string& assignment, const Log& log) {

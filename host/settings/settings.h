@@ -22,7 +22,8 @@ struct DepthSettings {
   double noise_floor = 0.005;
   double noise_growth = 0;
   double bias_growth = 0;
-  DepthSensor sensor = DepthSensor::kGiven;  ///< where it names one, the three before it are that one's; resolved()
+  DepthSensor sensor =
+      DepthSensor::kGiven;  ///< where it names one, the three before it are that one's; resolved()
   bool footprint = false;
 
   /// Standard deviation of a depth, metres, without what a surface's share.
@@ -64,6 +65,7 @@ struct TrackingSettings {
   double min_valid_share = 0.02;
   double uncertain_overlap = 0.3;
   double uncertain_residual = 0.35;
+  double uncertain_deviation = 0.005;
   double lost_residual = 0.6;
   double relocalised_share = 0.5;
   double intruding_share = 1;

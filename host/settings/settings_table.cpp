@@ -184,6 +184,10 @@ std::vector<SettingsField> makeTable() {
           T(&TrackingSettings::uncertain_overlap)),
       row("tracking.uncertain_residual", "truncations", 0, 1, "a larger RMS residual makes a pose uncertain",
           T(&TrackingSettings::uncertain_residual)),
+      row("tracking.uncertain_deviation", "m", 0, 1,
+          "a direction that the depth holds weakly makes a pose uncertain if its standard deviation is "
+          "larger",
+          T(&TrackingSettings::uncertain_deviation)),
       row("tracking.lost_residual", "truncations", 0, 1,
           "a larger RMS residual means lost: the frame is not fused", T(&TrackingSettings::lost_residual)),
       row("tracking.relocalised_share", "", 0, 1,

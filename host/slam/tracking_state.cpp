@@ -39,7 +39,8 @@ bool isJump(const TrackHistory& before, const TrackResult& found, double timesta
 Judgement judgeConstraint(const std::optional<PoseFit>& fit, Judgement judgement, const Thresholds& t) {
   if (!fit || judgement.status != TrackingStatus::Tracked) return judgement;
   const double factor = fit->colour_cost > 0 ? t.weak_constraint_with_colour : t.weak_constraint;
-  if (fit->observability >= factor * t.least_constraint) return judgement;
+  if (fit->observability >= factor * t.least_constraint || fit->shiftDeviation() <= t.uncertain_deviation)
+    return judgement;
   return {TrackingStatus::Uncertain,
           {fit->observability < t.least_constraint ? Reason::Unconstrained : Reason::WeaklyConstrained}};
 }
@@ -129,6 +130,7 @@ Thresholds thresholdsOf(const Settings& settings, bool relocalises) {
           s.relocalised_share,
           s.intruding_share,
           settings.refine.least_constraint,
+          s.uncertain_deviation,
           relocalises};
 }
 

@@ -44,11 +44,12 @@ struct Lost {
 };
 using TrackingState = std::variant<Initialising, Tracking, Verifying, Lost>;
 
-/// What decides, in one place; the first seven are settings.
+/// What decides, in one place; the first eight are settings.
 struct Thresholds {
   double min_valid_share, uncertain_overlap, uncertain_residual, lost_residual;
   double relocalised_share, intruding_share, least_constraint;
-  bool relocalises;  ///< PoseMethod::relocalises()
+  double uncertain_deviation;  ///< metres
+  bool relocalises;            ///< PoseMethod::relocalises()
 
   /// Of least_constraint, what holds a pose firmly. The noise of colours feigns slopes: worked out for a
   /// model of one image of a white wall, 3 m away, it seems to hold the pose by 4 times.

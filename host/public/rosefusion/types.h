@@ -58,9 +58,13 @@ struct Result {
   /// not.
   Matrix world_from_camera = kIdentity;
   Status status = Status::Lost;
-  std::string reason;       ///< plain words; empty when tracked
-  double residual = 0;      ///< mean distance of depth and model, 0 to 1 (the truncation)
-  double overlap = 0;       ///< share of the pixels that the last frame saw, 0 to 1
+  std::string reason;   ///< plain words; empty when tracked
+  double residual = 0;  ///< mean distance of depth and model, 0 to 1 (the truncation)
+  double overlap = 0;   ///< share of the pixels that the last frame saw, 0 to 1
+  /// Of the pose, row by row, 6 x 6: a shift in the world, metres, then a turn about the camera by its
+  /// rotation vector in the world, radians. What the depth's noise leaves open; zero where lost and at the
+  /// first frame.
+  std::array<double, 36> covariance{};
   double milliseconds = 0;  ///< from depth image to fused volume, waiting in the queue left out
   /// The model was begun anew with the frame before this one, whose camera is now the world: what it had
   /// begun with fits neither, such as an incomplete first image. All poses told before are void.

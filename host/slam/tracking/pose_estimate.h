@@ -30,8 +30,14 @@ struct PoseFit {
                               ///< least (smallest eigenvalue); a plane's own is 1
   /// Columns, in the world and of length 1: where most of the surfaces in view face, across each other.
   Eigen::Matrix3d normals = Eigen::Matrix3d::Identity();
+  /// Of a step of moved() (se3.h): metres and radians. What the depth's noise leaves open, at most 1 m and 1
+  /// rad; zero where no point finds a surface.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   double colour_cost = 0;  ///< the same of the luminance, in units of `cost`; 0 where colour was not asked
 
+  /// Standard deviations along the worst direction: of the shift, metres; of the turn, radians.
+  double shiftDeviation() const;
+  double turnDeviation() const;
   /// Whether a pose is accepted by this alone: at least `share` of the pixels reads a distance, three
   /// quarters of those are inliers, and every direction is held by `least_constraint`.
   bool holds(double share, double least_constraint) const {

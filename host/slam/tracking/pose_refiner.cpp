@@ -14,6 +14,9 @@ namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+// So many of the pixels that are looked at err as one: noise is alike over patches, and the model errs with
+// them (tests/bench/notes/tracking.md#covariance).
+constexpr double kAlike = 20;
 // Of a pixel from the model, white being 1: the camera's noise, detail finer than a voxel, light that changes
 // with the view. Beyond twice of it a residual counts linearly.
 constexpr double kLuminanceDeviation = 0.03, kLuminanceHuber = 2 * kLuminanceDeviation;
@@ -158,6 +161,11 @@ PoseFit PoseRefiner::fitOf(const Descent& d) const {
   fit.normals =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(d.model.hessian.topLeftCorner<3, 3>()).eigenvectors();
   const RefineSums& sums = d.at.depth;
+  if (sums[shader::kRefineUsable] > 0) {
+    // The equations' weights are shares of the smallest variance that a depth can have.
+    const double variance = kAlike * std::pow(weights_.noise.floor, 2);
+    fit.covariance = (d.model.hessian / variance + Matrix6::Identity()).inverse();
+  }
   if (sums[shader::kRefineMostCost] > 0) {
     fit.cost = sums[shader::kRefineCost] / sums[shader::kRefineMostCost];
     if (d.at.colour)

@@ -105,17 +105,19 @@ TEST(Decide, AFollowedFrameByItsScore) {
 
 TEST(Decide, ADirectionThatIsHardlyHeldMakesAPoseUncertain) {
   const struct {
-    double observability, colour_cost;
+    double observability, colour_cost, deviation;
     Reason reason;
-  } cases[] = {{0.0009, 0, Reason::Unconstrained},
-               {0.0039, 0, Reason::WeaklyConstrained},
-               {0.0041, 0, Reason::None},
-               {0.0041, 0.1, Reason::WeaklyConstrained},
-               {0.0051, 0.1, Reason::None}};
+  } cases[] = {{0.0009, 0, 0.006, Reason::Unconstrained},
+               {0.0039, 0, 0.006, Reason::WeaklyConstrained},
+               {0.0041, 0, 0.006, Reason::None},
+               {0.0041, 0.1, 0.006, Reason::WeaklyConstrained},
+               {0.0051, 0.1, 0.006, Reason::None},
+               {0.0009, 0, 0.004, Reason::None}};  // weakly beside the others, but well enough
   for (const auto& c : cases) {
     FrameEvidence e = seen(kNow, 0.3);
     e.found->fit->observability = c.observability;
     e.found->fit->colour_cost = c.colour_cost;
+    e.found->fit->covariance(1, 1) = c.deviation * c.deviation;
     const Decision decision = decide(tracking(), e, limits());
     EXPECT_EQ(decision.reason, c.reason) << c.observability << " " << decision.reason;
     EXPECT_TRUE(decision.integrate);
