@@ -34,7 +34,8 @@ Trajectory beforeDesk(const Tracer& tracer, const SynthOptions& options, Rng& rn
     const Eigen::Vector3d at = desk.centre + Eigen::Vector3d(rng.uniform(-0.6, 0.6) * desk.half.x(),
                                                              rng.uniform(-0.6, 0.4) * desk.half.y(), 0.08);
     const double around = std::clamp(azimuth + rng.uniform(-0.7, 0.7), -1.1, 1.1),
-                 above = rng.uniform(0.3, 1.05), away = rng.uniform(0.45, 1);
+                 above = rng.uniform(0.3, 1.05),
+                 away = std::max(rng.uniform(0.45, 1), options.sensor.nearest + 0.15);
     const Eigen::Vector3d key =
         at + away * Eigen::Vector3d(std::cos(above) * std::sin(around), std::cos(above) * std::cos(around),
                                     std::sin(above));
@@ -62,7 +63,8 @@ Trajectory beforeDesk(const Tracer& tracer, const SynthOptions& options, Rng& rn
 
 Trajectory aroundObject(const Tracer& tracer, const SynthOptions& options, Rng& rng) {
   const Subject& object = tracer.scene().subject;
-  const double away = object.half.norm() + rng.uniform(0.35, 0.5), above = rng.uniform(0.3, 0.6);
+  const double away = object.half.norm() + std::max(rng.uniform(0.35, 0.5), options.sensor.nearest + 0.1),
+               above = rng.uniform(0.3, 0.6);
   const double start = rng.uniform(0, kTurn), a = rng.uniform(0, kTurn), b = rng.uniform(0, kTurn);
   const SpeedProfile speed(options.linear, (options.frames - 1) / options.fps, options.ramp, rng);
   const auto poseAt = [&](double turned) {

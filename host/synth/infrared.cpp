@@ -49,6 +49,28 @@ float dotPattern(double tangent_x, double tangent_y) {
   return (1 - b) * ((1 - a) * top[0] + a * top[1]) + b * ((1 - a) * bottom[0] + a * bottom[1]);
 }
 
+cv::Mat meanOfLike(const cv::Mat& disparity, int reach, float like, double least_share) {
+  cv::Mat means(disparity.size(), CV_32FC1, cv::Scalar(0));
+  const double least = least_share * (2 * reach + 1) * (2 * reach + 1);
+  for (int v = 0; v < disparity.rows; ++v)
+    for (int u = 0; u < disparity.cols; ++u) {
+      const float centre = disparity.at<float>(v, u);
+      if (centre <= 0) continue;
+      float sum = 0;
+      int count = 0;
+      for (int y = std::max(0, v - reach); y <= std::min(disparity.rows - 1, v + reach); ++y) {
+        const float* row = disparity.ptr<float>(y);
+        for (int x = std::max(0, u - reach); x <= std::min(disparity.cols - 1, u + reach); ++x) {
+          const bool counts = row[x] > 0 && std::abs(row[x] - centre) <= like;
+          sum += counts ? row[x] : 0.0f;
+          count += counts;
+        }
+      }
+      if (count >= least) means.at<float>(v, u) = sum / static_cast<float>(count);
+    }
+  return means;
+}
+
 InfraredView viewInfrared(const Tracer& tracer, const Intrinsics& intrinsics, const Pose& world_from_camera,
                           double longest) {
   const Scene& scene = tracer.scene();

@@ -29,6 +29,10 @@ class ProjectorShadow {
   cv::Mat depth_;
 };
 
+/// Each valid value with those of the window around it, (2 reach + 1)^2 pixels, that differ from it by at
+/// most `like`: their mean, as CV_32FC1; 0 where less than `least_share` of the window is such. 0 is invalid.
+cv::Mat meanOfLike(const cv::Mat& disparity, int reach, float like, double least_share);
+
 /// A constant field of pseudo-random dots, 0 to 1, over the tangents of a projector's rays.
 float dotPattern(double tangent_x, double tangent_y);
 

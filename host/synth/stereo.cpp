@@ -17,6 +17,8 @@ constexpr double kDotsAtOneMetre = 3;   // brightness of a dot against a room's 
 constexpr double kMeanLevel = 70;       // of 255, what the exposure aims at
 constexpr double kElectronsPerLevel = 40;
 constexpr double kStereoReadNoise = 0.8;  // levels
+constexpr int kSmoothReach = 4;           // pixels: what real recordings err by is that smooth
+constexpr double kStereoSteps = 32;       // a pixel of disparity, as the camera sends it
 constexpr int kDisparities = 128;
 constexpr double kStereoFar = 30;
 
@@ -110,17 +112,18 @@ cv::Mat measureStereo(const Sensor& sensor, const Tracer& tracer, const PoseAt& 
 
   constexpr int kBlock = 5;
   const auto matcher =
-      cv::StereoSGBM::create(0, kDisparities, kBlock, 4 * kBlock * kBlock, 24 * kBlock * kBlock, 1, 31, 8, 24,
-                             1, cv::StereoSGBM::MODE_SGBM_3WAY);
+      cv::StereoSGBM::create(0, kDisparities, kBlock, 4 * kBlock * kBlock, 24 * kBlock * kBlock, 1, 31, 8,
+                             100, 1, cv::StereoSGBM::MODE_SGBM_3WAY);
   cv::Mat whole, disparity;
   matcher->compute(left_image, right_image, whole);
   whole.convertTo(disparity, CV_32FC1, 1.0 / int{cv::StereoMatcher::DISP_SCALE});
   refine(disparity, left_image, right_image);
+  disparity = meanOfLike(disparity, kSmoothReach, 1, 0);
 
   cv::Mat depth(k.height, k.width, CV_32FC1, cv::Scalar(0));
   for (int v = 0; v < k.height; ++v)
     for (int u = 0; u < k.width; ++u) {
-      const double d = disparity.at<float>(v, u + kDisparities);
+      const double d = std::round(kStereoSteps * disparity.at<float>(v, u + kDisparities)) / kStereoSteps;
       if (d > 0 && d <= u) depth.at<float>(v, u) = static_cast<float>(k.fx * sensor.baseline / d);
     }
   return depth;

@@ -14,7 +14,7 @@ constexpr double kCodeNoise = 0.08;       // pixels of disparity, at the signal 
 constexpr double kCodeNoiseFloor = 0.05;  // pixels
 constexpr double kCodeSteps = 32;         // a pixel of disparity
 constexpr int kWindowReach = 2;           // the window is 5 x 5
-constexpr double kSameSurface = 1.5;      // pixels of disparity within a window
+constexpr float kSameSurface = 1.5;       // pixels of disparity within a window
 constexpr double kLeastShare = 0.55;      // of the window that must agree
 
 }  // namespace
@@ -31,7 +31,7 @@ cv::Mat measureStructuredLight(const Sensor& sensor, const Tracer& tracer, const
   for (int v = 0; v < k.height; ++v)
     for (int u = 0; u < k.width; ++u) {
       // Drawn for every pixel, so that one that is lost does not change all after it.
-      const double strength = 1 + 0.1 * rng.normal(), error = rng.normal();
+      const double strength = 1 + 0.2 * rng.normal(), error = rng.normal();
       const double z = view.depth.at<float>(v, u);
       if (z <= 0 || !shadow.isLit(k.unproject(u, v, z) - projector)) continue;
       const double signal = view.albedo.at<float>(v, u) * view.facing.at<float>(v, u) / (z * z);
@@ -40,23 +40,12 @@ cv::Mat measureStructuredLight(const Sensor& sensor, const Tracer& tracer, const
           static_cast<float>(scale / z + error * std::hypot(kCodeNoiseFloor, kCodeNoise / signal));
     }
 
+  const cv::Mat read = meanOfLike(disparity, kWindowReach, kSameSurface, kLeastShare);
   cv::Mat depth(k.height, k.width, CV_32FC1, cv::Scalar(0));
-  for (int v = kWindowReach; v + kWindowReach < k.height; ++v)
-    for (int u = kWindowReach; u + kWindowReach < k.width; ++u) {
-      const float centre = disparity.at<float>(v, u);
-      if (centre <= 0) continue;
-      double sum = 0;
-      int count = 0;
-      for (int y = v - kWindowReach; y <= v + kWindowReach; ++y)
-        for (int x = u - kWindowReach; x <= u + kWindowReach; ++x) {
-          const float d = disparity.at<float>(y, x);
-          if (d <= 0 || std::abs(d - centre) > kSameSurface) continue;
-          sum += d;
-          ++count;
-        }
-      if (count < kLeastShare * (2 * kWindowReach + 1) * (2 * kWindowReach + 1)) continue;
-      depth.at<float>(v, u) = static_cast<float>(scale * kCodeSteps / std::round(kCodeSteps * sum / count));
-    }
+  for (int v = 0; v < k.height; ++v)
+    for (int u = 0; u < k.width; ++u)
+      if (const float d = read.at<float>(v, u); d > 0)
+        depth.at<float>(v, u) = static_cast<float>(scale * kCodeSteps / std::round(kCodeSteps * d));
   return depth;
 }
 
