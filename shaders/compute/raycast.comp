@@ -131,16 +131,17 @@ Hit surfaceBetween(Ray ray, float band, Walk walk, out bool observed) {
   float ahead = front_t - 1.0, behind = walk.t + 1.0;
   vec3 one_end = at(ray, ahead), other_end = at(ray, behind);
   Patch slots = patchOf(ivec3(min(one_end, other_end)) - 1, ivec3(max(one_end, other_end)) + 1);
-  float guess = mix(front_t, walk.t, front_value > 0.0 ? front_value / (front_value - walk.value) : 0.5);
+  float guess = mix(front_t, walk.t, mix(0.5, front_value / (front_value - walk.value), front_value > 0.0));
   bool near_enough;
   int steps = 0;
   do {
     vec4 field = trilinear(cellIn(slots, at(ray, guess)));
     near_enough = abs(field.w) * band < kConverged;
-    if (field.w > 0.0) ahead = guess;
-    else behind = guess;
+    bool in_front = field.w > 0.0;
+    ahead = mix(ahead, guess, in_front);
+    behind = mix(guess, behind, in_front);
     float next = guess - field.w / min(dot(field.xyz, ray.direction), kLeastSlope);
-    guess = next >= ahead && next <= behind ? next : 0.5 * (ahead + behind);
+    guess = mix(0.5 * (ahead + behind), next, next >= ahead && next <= behind);
   } while (!near_enough && ++steps < kMaxSteps);
   Neighbourhood near = neighbourhoodIn(slots, at(ray, guess));
   float correction = near.value / min(dot(near.gradient, ray.direction), kLeastSlope);

@@ -23,8 +23,8 @@ Patch patchOf(ivec3 low, ivec3 high) {
 
 // Slots of what lies at (l, l), (h, l), (l, h), (h, h) of a layer; true: in the second block along that axis.
 uvec4 slotsWithin(uvec4 layer, bvec2 l, bvec2 h) {
-  uvec2 first = l.y ? layer.zw : layer.xy, second = h.y ? layer.zw : layer.xy;
-  return uvec4(l.x ? first.y : first.x, h.x ? first.y : first.x, l.x ? second.y : second.x, h.x ? second.y : second.x);
+  uvec2 first = mix(layer.xy, layer.zw, bvec2(l.y)), second = mix(layer.xy, layer.zw, bvec2(h.y));
+  return mix(uvec4(first.xx, second.xx), uvec4(first.yy, second.yy), bvec4(l.x, h.x, l.x, h.x));
 }
 
 #ifdef VOLUME_TSDF
@@ -42,21 +42,24 @@ struct Window { uvec4 cubes[8]; };
 Window windowIn(Patch slots, ivec3 first) {
   ivec3 next = first + 1;
   bvec3 l = notEqual(first >> 2, slots.block), h = notEqual(next >> 2, slots.block);
-  uvec4 low = slotsWithin(l.z ? slots.slots_high : slots.slots_low, l.xy, h.xy);
-  uvec4 high = slotsWithin(h.z ? slots.slots_high : slots.slots_low, l.xy, h.xy);
+  uvec4 low = slotsWithin(mix(slots.slots_low, slots.slots_high, bvec4(l.z)), l.xy, h.xy);
+  uvec4 high = slotsWithin(mix(slots.slots_low, slots.slots_high, bvec4(h.z)), l.xy, h.xy);
   uvec3 a = uvec3(first & 3) << uvec3(0, 2, 4), b = uvec3(next & 3) << uvec3(0, 2, 4);
   uvec4 columns = uvec4(a.y + a.x, a.y + b.x, b.y + a.x, b.y + b.x);
-  return Window(uvec4[8](tsdfCube(low.x, columns.x + a.z), tsdfCube(low.y, columns.y + a.z), tsdfCube(low.z, columns.z + a.z),
-                         tsdfCube(low.w, columns.w + a.z), tsdfCube(high.x, columns.x + b.z), tsdfCube(high.y, columns.y + b.z),
-                         tsdfCube(high.z, columns.z + b.z), tsdfCube(high.w, columns.w + b.z)));
+  uint slot[8] = uint[8](low.x, low.y, low.z, low.w, high.x, high.y, high.z, high.w);
+  Window window;
+  [[unroll]] for (int i = 0; i < 8; ++i) window.cubes[i] = tsdfCube(slot[i], columns[i & 3] + (i < 4 ? a.z : b.z));
+  return window;
 }
 
 // Words of the window's layer k: rows 0 to 3 along y, of its first or second pair of voxels along x.
 uvec4 layerOf(Window window, int k, int second) {
   int i = 4 * (k >> 1) + second;
-  return (k & 1) == 0 ? uvec4(window.cubes[i].xy, window.cubes[i + 2].xy) : uvec4(window.cubes[i].zw, window.cubes[i + 2].zw);
+  return mix(uvec4(window.cubes[i].xy, window.cubes[i + 2].xy), uvec4(window.cubes[i].zw, window.cubes[i + 2].zw), bvec4((k & 1) != 0));
 }
-uvec4 layerOf(Window window, int k, int second, bool odd) { return odd ? layerOf(window, k + 1, second) : layerOf(window, k, second); }
+uvec4 layerOf(Window window, int k, int second, bool odd) {
+  return mix(layerOf(window, k, second), layerOf(window, k + 1, second), bvec4(odd));
+}
 
 // The cell of a position whose voxels lie in the patch.
 Cell cellIn(Patch slots, vec3 position) {
@@ -69,9 +72,9 @@ Cell cellIn(Patch slots, vec3 position) {
   vec4 layers[2];
   [[unroll]] for (int k = 0; k < 2; ++k) {
     uvec4 first = layerOf(window, k, 0, odd.z), second = layerOf(window, k, 1, odd.z);
-    uvec2 a = odd.y ? first.yz : first.xy, b = odd.y ? second.yz : second.xy;
-    layers[k] = vec4(tsdfOf(odd.x ? a.x : a.x << 16), tsdfOf(odd.x ? b.x << 16 : a.x), tsdfOf(odd.x ? a.y : a.y << 16),
-                     tsdfOf(odd.x ? b.y << 16 : a.y));
+    uvec2 a = mix(first.xy, first.yz, bvec2(odd.y)), b = mix(second.xy, second.yz, bvec2(odd.y));
+    uvec4 bits = mix(uvec4(a.x << 16, a.x, a.y << 16, a.y), uvec4(a.x, b.x << 16, a.y, b.y << 16), bvec4(odd.x));
+    layers[k] = vec4(tsdfOf(bits.x), tsdfOf(bits.y), tsdfOf(bits.z), tsdfOf(bits.w));
   }
   cell.low = layers[0];
   cell.high = layers[1];
@@ -125,20 +128,20 @@ Neighbourhood neighbourhoodIn(Patch slots, vec3 position) {
     Neighbourhood within = Neighbourhood(0.0, vec3(0.0), 0.0, 0.0);  // this layer's; z is the value of the splines
     [[unroll]] for (int j = 0; j < 3; ++j) {
       // Three voxels along x lie in two words, the middle one in either.
-      uint first = odd.y ? firsts[j + 1] : firsts[j], second = odd.y ? seconds[j + 1] : seconds[j];
-      vec3 v = odd.x ? vec3(tsdfOf(first), tsdfOf(second << 16), tsdfOf(second))
-                     : vec3(tsdfOf(first << 16), tsdfOf(first), tsdfOf(second << 16));
+      uint first = mix(firsts[j], firsts[j + 1], odd.y), second = mix(seconds[j], seconds[j + 1], odd.y);
+      uvec3 bits = mix(uvec3(first << 16, first, second << 16), uvec3(first, second << 16, second), bvec3(odd.x));
+      vec3 v = vec3(tsdfOf(bits.x), tsdfOf(bits.y), tsdfOf(bits.z));
       vec3 size = abs(v);
-      float row_in_cell = max(size.y, before.x ? size.x : size.z);
+      float row_in_cell = max(size.y, mix(size.z, size.x, before.x));
       within.largest = max(within.largest, max(size.y, max(size.x, size.z)));
-      within.largest_in_cell = max(within.largest_in_cell, in_cell[j].y ? row_in_cell : 0.0);
+      within.largest_in_cell = max(within.largest_in_cell, mix(0.0, row_in_cell, in_cell[j].y));
       float along = spline[0].x * v.x + spline[1].x * v.y + spline[2].x * v.z;
       float sloping = slope[0].x * v.x + slope[1].x * v.y + slope[2].x * v.z;
       within.gradient += vec3(sloping * spline[j].y, along * slope[j].y, along * spline[j].y);
       within.value += (linear[0].x * v.x + linear[1].x * v.y + linear[2].x * v.z) * linear[j].y;
     }
     sum.largest = max(sum.largest, within.largest);
-    sum.largest_in_cell = max(sum.largest_in_cell, in_cell[k].z ? within.largest_in_cell : 0.0);
+    sum.largest_in_cell = max(sum.largest_in_cell, mix(0.0, within.largest_in_cell, in_cell[k].z));
     sum.gradient += within.gradient * vec3(spline[k].z, spline[k].z, slope[k].z);
     sum.value += within.value * linear[k].z;
   }
@@ -178,18 +181,20 @@ Luminance luminanceAt(vec3 position) {
   Luminance sum = Luminance(0.0, vec3(0.0), true);
   [[unroll]] for (int k = 0; k < 3; ++k) {
     int z = low.z + k;
-    uvec4 layer = slotsWithin((z >> 3) != slots.block.z ? slots.slots_high : slots.slots_low, l, h);
+    uvec4 layer = slotsWithin(mix(slots.slots_low, slots.slots_high, bvec4((z >> 3) != slots.block.z)), l, h);
     uint quad = uint((z & 6) << 4 | (z & 1));
-    uvec4 a = colourQuadInBlock(layer.x, quad + y.x + x.x), b = colourQuadInBlock(layer.y, quad + y.x + x.y);
-    uvec4 c = colourQuadInBlock(layer.z, quad + y.y + x.x), d = colourQuadInBlock(layer.w, quad + y.y + x.y);
-    uvec4 rows[4] = uvec4[4](uvec4(a.xy, b.xy), uvec4(a.zw, b.zw), uvec4(c.xy, d.xy), uvec4(c.zw, d.zw));
+    uvec4 quads[4];
+    [[unroll]] for (int i = 0; i < 4; ++i) quads[i] = colourQuadInBlock(layer[i], quad + y[i >> 1] + x[i & 1]);
+    uvec4 rows[4] = uvec4[4](uvec4(quads[0].xy, quads[1].xy), uvec4(quads[0].zw, quads[1].zw), uvec4(quads[2].xy, quads[3].xy),
+                             uvec4(quads[2].zw, quads[3].zw));
     Luminance within = Luminance(0.0, vec3(0.0), true);  // this layer's; z is the value of the splines
+    uint fewest = 0xFFu;  // images that gave a voxel its colour
     [[unroll]] for (int j = 0; j < 3; ++j) {
-      uvec4 row = odd.y ? rows[j + 1] : rows[j];
+      uvec4 row = mix(rows[j], rows[j + 1], bvec4(odd.y));
       float along = 0.0, sloping = 0.0, value = 0.0;
       [[unroll]] for (int i = 0; i < 3; ++i) {
-        uint word = odd.x ? row[i + 1] : row[i];
-        within.known = within.known && word >> 24 != 0u;
+        uint word = mix(row[i], row[i + 1], odd.x);
+        fewest = min(fewest, word >> 24);
         float v = luminanceOf(word);
         along += spline[i].x * v;
         sloping += slope[i].x * v;
@@ -198,7 +203,7 @@ Luminance luminanceAt(vec3 position) {
       within.gradient += vec3(sloping * spline[j].y, along * slope[j].y, along * spline[j].y);
       within.value += value * linear[j].y;
     }
-    sum.known = sum.known && within.known;
+    sum.known = sum.known && fewest > 0u;
     sum.gradient += within.gradient * vec3(spline[k].z, spline[k].z, slope[k].z);
     sum.value += within.value * linear[k].z;
   }

@@ -14,13 +14,18 @@ UNIFORM_PARAMETERS(VolumeLayout, volume, VOLUME_UNIFORM_LAYOUT)
 layout(std430, binding = VOLUME_LAYOUT) readonly restrict buffer LayoutBuffer { VolumeLayout volume; };
 #endif
 
-// What functions A to D read of the four pools, behind one function.
-#define OF_CHUNKS(TYPE, FUNCTION, A, B, C, D)              \
-  TYPE FUNCTION(uint chunk, uint i) {                      \
-    if (kPoolChunks == 1u || chunk == 0u) return A(i);     \
-    if (kPoolChunks == 2u || chunk == 1u) return B(i);     \
-    if (kPoolChunks == 3u || chunk == 2u) return C(i);     \
-    return D(i);                                           \
+// What functions A to D read of the four pools, behind one function. The loop, which each driver unrolls, keeps the choice
+// from SwiftShader's search for a loop's blocks: its time doubles with each choice on the way, and it folds no constants first.
+#define OF_CHUNKS(TYPE, FUNCTION, A, B, C, D)                   \
+  TYPE FUNCTION(uint chunk, uint i) {                           \
+    TYPE value;                                                 \
+    for (uint once = 0u; once < 1u; ++once) {                   \
+      if (kPoolChunks == 1u || chunk == 0u) value = A(i);       \
+      else if (kPoolChunks == 2u || chunk == 1u) value = B(i);  \
+      else if (kPoolChunks == 3u || chunk == 2u) value = C(i);  \
+      else value = D(i);                                        \
+    }                                                           \
+    return value;                                               \
   }
 #define POOL_WORD(NAME) OF_CHUNKS(uint, NAME##Word, NAME##_0, NAME##_1, NAME##_2, NAME##_3)
 // Four pools that are only read, on the bindings from FIRST on, by words or also by four of them.
