@@ -48,8 +48,8 @@ const SensorModel* nearestModel(const SceneMeasures& scene) {
   const SensorModel* nearest = nullptr;
   double least = kAnotherSensor;
   for (const SensorModel& model : sensorModels()) {
-    const std::optional<double> off =
-        model.sensor == DepthSensor::kIphone ? std::nullopt : misfit(model, scene);
+    if (model.sensor == DepthSensor::kIphone || scene.far_depth > model.reach) continue;
+    const std::optional<double> off = misfit(model, scene);
     if (!off || *off >= least) continue;
     least = *off;
     nearest = &model;

@@ -27,6 +27,7 @@ struct SensorModel {
   /// What flat pieces of a twentieth of the image's width deviate from their planes by (standard deviation):
   /// flat_floor + flat_growth z^2.
   double flat_floor, flat_growth;
+  double reach;  ///< no depths from beyond
 
   double flatDeviation(double z) const { return flat_floor + flat_growth * z * z; }
 };

@@ -66,6 +66,15 @@ TEST(SceneSurvey, TheSensorIsKnownByItsNoise) {
   EXPECT_EQ(stereo_settings.refine.model_noise, 2 * stereo_settings.depth.noise_floor);
 }
 
+double nearArm(double z) {
+  return 0.0009 + 0.0008 * z * z;
+}
+
+TEST(SceneSurvey, ASensorThatReachesNoFartherIsNotTaken) {
+  EXPECT_EQ(resolved(automatic(), survey(floorFrom(0.25, nearArm))).depth.sensor, DepthSensor::kF200);
+  EXPECT_NE(resolved(automatic(), survey(floorFrom(1, nearArm))).depth.sensor, DepthSensor::kF200);
+}
+
 TEST(SceneSurvey, NoiseOfNoSensorLeavesWhatIsSet) {
   Settings asked = automatic();
   const auto scene = survey(floorFrom(1, nothing));
