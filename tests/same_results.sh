@@ -116,7 +116,8 @@ disturbed "room 1114, kidnapped" --seed 1114 --frames 120 --disturb cut
 if [[ -f $data/meshes/small_house.ply ]]; then
   [[ -d $scratch/walk ]] || "$old" synth "$scratch/walk" --mesh "$data/meshes/small_house.ply" --seed 71 --frames 500 \
     --loops 1 --width 320 --height 240 --fx 160 --fy 160 >/dev/null
-  compare "a walk that closes a loop" "$scratch/walk" --set loops.enabled=true
+  # It drifts by less than the usual tolerance; with this one two loops are closed.
+  compare "a walk that closes loops" "$scratch/walk" --set loops.enabled=true --set loops.tolerance=0.004
 fi
 [[ $different == 0 ]] && echo "All results are the same."
 exit $different
