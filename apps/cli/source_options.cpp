@@ -13,7 +13,8 @@ void SourceArguments::addTo(CLI::App& command) {
   command
       .add_option(
           "SOURCE", source,
-          "Folder (TUM RGB-D, ETH3D, ICL-NUIM, 7-Scenes, Replica, FastCaMo, ScanNet, Open3D, Stray Scanner, PNGs "
+          "Folder (TUM RGB-D, ETH3D, ICL-NUIM, 7-Scenes, Replica, FastCaMo, ScanNet, Open3D, Stray Scanner, "
+          "PNGs "
           "with sequence.yaml), file (.bag, .db3, .mcap, .sens, .klg, .r3d, .seq), or camera (openni2:, "
           "realsense:, k4a:)")
       ->required();

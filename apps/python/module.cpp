@@ -4,6 +4,9 @@
 #include <pybind11/stl.h>
 
 #include "rosefusion/reconstructor.h"
+#ifdef ROSEFUSION_RECORDINGS
+#include "apps/python/recordings.h"
+#endif
 
 namespace py = pybind11;
 using namespace py::literals;
@@ -170,6 +173,9 @@ PYBIND11_MODULE(rosefusion, m) {
       .def("mesh", &PyReconstructor::mesh, "The model's surface now.")
       .def("trajectory", &PyReconstructor::trajectory,
            "(timestamp, world_from_camera) of all frames not lost.");
+#ifdef ROSEFUSION_RECORDINGS
+  addRecordings(m);
+#endif
   // As they were called at first.
   m.attr("Intrinsics") = m.attr("Camera");
   m.attr("Pipeline") = m.attr("Reconstructor");

@@ -16,12 +16,12 @@ else
   chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome) || skip "there is no Chromium."
 fi
 
-"$program" synth "$folder/s" --frames 8 --width 160 --height 120 >/dev/null
+"$program" synth "$folder/s" --frames 24 --width 320 --height 240 >/dev/null
 "$program" run "$folder/s" --out "$folder/o" >/dev/null
 
 if [[ $part == gltf ]]; then
   "$program" export "$folder/o" --to "$folder/a.glb" --max-error 0.01 --to "$folder/b.obj"
-  "$program" synth "$folder/t" --frames 8 --width 160 --height 120 --no-colour >/dev/null
+  "$program" synth "$folder/t" --frames 24 --width 320 --height 240 --no-colour >/dev/null
   "$program" run "$folder/t" --out "$folder/p" --no-page >/dev/null
   [[ ! -e $folder/p/view.html ]] || fail "--no-page wrote a page."
   "$program" export "$folder/p" --to "$folder/c.glb" --up z
@@ -36,9 +36,9 @@ JS
   "$program" export "$folder/o" --to "$folder/n" --as nerfstudio >/dev/null
   node -e 'const t = JSON.parse(require("fs").readFileSync(process.argv[1] + "/transforms.json"));
     for (const f of t.frames) for (const p of [f.file_path, f.depth_file_path]) require("fs").accessSync(process.argv[1] + "/" + p);
-    if (t.frames.length < 6) throw new Error("only " + t.frames.length + " frames");' "$folder/n"
+    if (t.frames.length < 15) throw new Error("only " + t.frames.length + " frames");' "$folder/n"
   "$program" export "$folder/o" --to "$folder/m" --as colmap >/dev/null
-  [[ $(grep -c '\.jpg$' "$folder/m/sparse/0/images.txt") -ge 6 ]] || fail "COLMAP's model lists too few images."
+  [[ $(grep -c '\.jpg$' "$folder/m/sparse/0/images.txt") -ge 15 ]] || fail "COLMAP's model lists too few images."
 else
   [[ -s $folder/o/view.html ]] || fail "run wrote no view.html."
   look() {  # PAGE: its text once it is drawn, and what the console was told
@@ -49,7 +49,7 @@ else
   look "$folder/o/view.html"
   grep 'CONSOLE' "$folder/log" | grep -iE 'error|uncaught|warn' >&2 && fail "the page complains on the console."
   grep -q 'data-drawn="1"' "$folder/dom" || fail "the page was not drawn: $(grep -o 'id="wait".*' "$folder/dom" | head -c 300)"
-  grep -q '8 frames: ' "$folder/dom" || fail "the page does not count its frames."
+  grep -q '24 frames: ' "$folder/dom" || fail "the page does not count its frames."
   # And the test sees a page that does not work.
   sed -E 's|(<script id="model"[^>]*>).{40}|\1|' "$folder/o/view.html" >"$folder/damaged.html"
   look "$folder/damaged.html"

@@ -177,8 +177,8 @@ TEST(CommandLine, InterruptFinishesTheFiles) {
                                   "timeout --foreground --preserve-status -s INT 8 env");
   // A fast machine may have finished before the signal.
   EXPECT_TRUE(outcome.code == kExitInterrupted || outcome.code == 0) << outcome.text;
-  for (const char* file :
-       {"trajectory.txt", "mesh.ply", "preview.png", "frames.csv", "settings.yaml", "view.html", "report.json"})
+  for (const char* file : {"trajectory.txt", "mesh.ply", "preview.png", "frames.csv", "settings.yaml",
+                           "view.html", "report.json"})
     EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(out) / file)) << file << "\n" << outcome.text;
 }
 

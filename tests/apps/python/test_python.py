@@ -129,5 +129,34 @@ class Module(unittest.TestCase):
             rosefusion.Reconstructor(CAMERA, settings={"volume.voxel_sise": 0.01})
 
 
+@unittest.skipUnless(hasattr(rosefusion, "load"), "this build has no recordings")
+class Recordings(unittest.TestCase):
+    FOLDER = os.path.join(os.path.dirname(__file__), "..", "..", "fixtures", "recordings")
+
+    def test_frames_camera_and_truth(self):
+        for name in ("small.bag", "small.sens", "small.r3d"):
+            with self.subTest(name):
+                recording = rosefusion.load(os.path.join(self.FOLDER, name))
+                self.assertEqual(len(recording), 3)
+                self.assertAlmostEqual(recording.camera.fx, 30)
+                frames = list(recording)
+                self.assertAlmostEqual(frames[2].timestamp, 10.2)
+                v, u = np.mgrid[:24, :32]
+                metres = frames[1].depth / recording.camera.depth_units_per_metre
+                known = frames[1].depth > 0
+                self.assertGreaterEqual(known.sum(), 24 * 32 - 1)
+                np.testing.assert_allclose(metres[known], ((1501 + u + 40 * v) / 1000)[known], atol=1e-4)
+                np.testing.assert_allclose(frames[0].rgb[5, 5], [200, 20, 10], atol=3)
+                self.assertIs(rosefusion.load(os.path.join(self.FOLDER, name), colour=False)[-1].rgb, None)
+        np.testing.assert_allclose(rosefusion.load(os.path.join(self.FOLDER, "small.sens")).truth[1][1][:3, 3],
+                                   [0.5, -0.25, 2])
+
+    def test_what_cannot_be_opened_is_named(self):
+        with self.assertRaisesRegex(rosefusion.Error, "/nowhere"):
+            rosefusion.load("/nowhere")
+        with self.assertRaises(IndexError):
+            rosefusion.load(os.path.join(self.FOLDER, "small.bag"))[3]
+
+
 if __name__ == "__main__":
     unittest.main(verbosity=2)
