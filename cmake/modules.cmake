@@ -47,6 +47,10 @@ if(ROSEFUSION_SANITIZE)
   endif()
 endif()
 
+if(ROSEFUSION_FUZZ)
+  target_compile_options(rosefusion_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()
+
 add_library(rosefusion_common INTERFACE)
 target_include_directories(rosefusion_common INTERFACE ${PROJECT_SOURCE_DIR})
 target_link_libraries(rosefusion_common INTERFACE rosefusion_options Eigen3::Eigen opencv_core
