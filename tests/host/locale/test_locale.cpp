@@ -65,7 +65,7 @@ TEST_P(Locale, Numbers) {
 TEST_P(Locale, SettingsComeBackAsTheyWere) {
   const Settings preset = loadSettings("default");
   const std::string yaml = toYaml(preset);
-  EXPECT_THAT(yaml, HasSubstr("voxel_size: 0.02 "));
+  EXPECT_THAT(yaml, HasSubstr("noise_growth: 0.0019 "));
   EXPECT_THAT(yaml, HasSubstr("10240/32"));
   Settings read = loadSettings("paper");
   applyYamlText(read, yaml, "text");

@@ -26,6 +26,7 @@ PoseFit fitAt(double x, double observed = 0.9, double observability = 0.1) {
   fit.observed_ratio = observed;
   fit.inlier_ratio = 0.95 * observed;
   fit.observability = observability;
+  fit.covariance.diagonal().setConstant(1e-4);  // 1 cm
   return fit;
 }
 
@@ -117,7 +118,7 @@ TEST(Decide, ADirectionThatIsHardlyHeldMakesAPoseUncertain) {
     FrameEvidence e = seen(kNow, 0.3);
     e.found->fit->observability = c.observability;
     e.found->fit->colour_cost = c.colour_cost;
-    e.found->fit->covariance(1, 1) = c.deviation * c.deviation;
+    e.found->fit->covariance.diagonal().setConstant(c.deviation * c.deviation);
     const Decision decision = decide(tracking(), e, limits());
     EXPECT_EQ(decision.reason, c.reason) << c.observability << " " << decision.reason;
     EXPECT_TRUE(decision.integrate);
