@@ -143,11 +143,10 @@ std::string pageOf(PageContent content) {
   data["fov"] = content.field_of_view;
   data["aspect"] = content.aspect;
 
-  DecimationOptions options{0.003, 0};
-  for (std::size_t most = 600'000;; most /= 2) {
+  // As many as a phone still turns smoothly; fewer would blur the colours, which are those of vertices.
+  for (std::size_t most = 300'000;; most /= 2) {
     std::string model;
     if (!content.mesh.triangles.empty()) {
-      content.mesh = decimated(content.mesh, options);
       if (content.mesh.triangles.size() > most) content.mesh = decimated(content.mesh, {1, most});
       if (content.mesh.triangles.empty()) break;
       model = base64(packed(content.mesh, data["model"]));
