@@ -60,6 +60,7 @@ echo
 step "Done in $((SECONDS / 60)) min $((SECONDS % 60)) s. Look at:"
 cat <<END
   $result/preview.png     picture of the reconstruction
+  $result/view.html       the model and the path, in a browser
   $result/mesh.ply        the mesh (MeshLab, CloudCompare, Blender)
   $result/trajectory.txt  camera poses, TUM format
   $result/report.json     what happened: counts, times, memory, errors
