@@ -66,7 +66,7 @@ struct Thresholds {
   /// (tests/bench/notes/relocalisation.md).
   double suddenly_unknown = 0.3;
   /// Consistent frames. Where little is known up to 6 agreed on places half a metre off (room 1108,
-  /// tests/bench/notes/relocalisation.md#another-processor-and-a-supposed-pose).
+  /// tests/bench/notes/relocalisation.md#another-processor-and-a-tentative-pose).
   int reported_at = 2, integrated_at = 3, reported_unknown_at = 10;
 };
 Thresholds thresholdsOf(const Settings& settings, bool relocalises);
