@@ -12,9 +12,8 @@
 #include "host/core/error.h"
 #include "host/core/number_text.h"
 #include "host/datasets/inspection.h"
-#include "host/sources/peeked_source.h"
+#include "host/run/scene_of_source.h"
 #include "host/sources/sequence_source.h"
-#include "host/survey/scene_survey.h"
 
 namespace rosefusion::cli {
 namespace {
@@ -106,9 +105,7 @@ std::string describe(const SequenceInfo& info, const Inspection& r, const std::o
 std::optional<SceneMeasures> surveyOf(Sequence& sequence, const Settings& settings) {
   PeekedSource source(
       std::make_unique<SequenceSource>(sequence, RunOptions{.max_frames = 2 * kSurveyedFrames}));
-  const SequenceInfo& info = sequence.info();
-  return surveyScene(source.firstDepths(kSurveyedFrames, {}), info.intrinsics, info.depth_units_per_metre,
-                     settings.depth);
+  return sceneOf(source, settings);
 }
 
 nlohmann::ordered_json toJson(const SequenceInfo& info, const Inspection& r,

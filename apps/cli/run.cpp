@@ -17,8 +17,7 @@
 #include "host/run/likely_cause.h"
 #include "host/run/output.h"
 #include "host/run/report.h"
-#include "host/sources/peeked_source.h"
-#include "host/survey/scene_survey.h"
+#include "host/run/scene_of_source.h"
 
 namespace rosefusion::cli {
 namespace {
@@ -122,10 +121,7 @@ void printSummary(std::FILE* to, const RunSummary& summary, const SequenceInfo& 
 
 /// `asked` with what suits the source's first images where it is 'auto', and says what that is.
 Settings settingsFor(const Settings& asked, PeekedSource& source) {
-  if (!hasAutomatic(asked)) return asked;
-  const SequenceInfo& info = source.info();
-  const auto scene = surveyScene(source.firstDepths(kSurveyedFrames, interrupted), info.intrinsics,
-                                 info.depth_units_per_metre, asked.depth);
+  const std::optional<SceneMeasures> scene = sceneOf(source, asked, interrupted);
   const Settings settings = resolved(asked, scene);
   for (const std::string& choice : choicesOf(asked, settings, scene)) spdlog::info("{}", choice);
   return settings;

@@ -8,9 +8,8 @@
 #include "host/core/error.h"
 #include "host/core/file_io.h"
 #include "host/export/mesh_io.h"
+#include "host/run/scene_of_source.h"
 #include "host/slam/mapping/mesh_extraction.h"
-#include "host/sources/peeked_source.h"
-#include "host/survey/scene_survey.h"
 
 namespace rosefusion::viewer {
 namespace {
@@ -192,10 +191,7 @@ void Session::begin() {
   if (!opened) return;
   auto peeked = std::make_unique<PeekedSource>(std::move(opened));
   const SequenceInfo& info = peeked->info();
-  std::optional<SceneMeasures> scene;
-  if (hasAutomatic(settings_))
-    scene = surveyScene(peeked->firstDepths(kSurveyedFrames, stop), info.intrinsics,
-                        info.depth_units_per_metre, settings_.depth);
+  const std::optional<SceneMeasures> scene = sceneOf(*peeked, settings_, stop);
   source_ = std::move(peeked);
   pipeline_ = std::make_unique<Pipeline>(device_, resolved(settings_, scene), info.intrinsics,
                                          info.depth_units_per_metre,

@@ -100,6 +100,11 @@ Settings resolved(Settings settings, const std::optional<SceneMeasures>& scene) 
 std::vector<std::string> choicesOf(const Settings& asked, const Settings& taken,
                                    const std::optional<SceneMeasures>& scene) {
   std::vector<std::string> said;
+  if (!scene && hasAutomatic(asked))
+    said.push_back(printed(
+        "The first images show too little depth to choose by; voxels are %g cm and the depth's noise is %s "
+        "(volume.voxel_size, depth.sensor; --start leaves out frames).",
+        100 * taken.volume.voxel_size, sensorModel(taken.depth.sensor) ? "as told" : "a Kinect's"));
   if (!scene) return said;
   if (asked.volume.voxel_size == 0)
     said.push_back(printed(

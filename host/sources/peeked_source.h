@@ -11,8 +11,8 @@ class PeekedSource : public FrameSource {
  public:
   explicit PeekedSource(std::unique_ptr<FrameSource> source) : source_(std::move(source)) {}
 
-  /// The first usable depth images, `frames` of them where the source has so many; next() gives all of them
-  /// again.
+  /// The first usable depth images: `frames` of them, where so many of the first 10 * frames are usable.
+  /// next() gives all of them again.
   std::vector<cv::Mat> firstDepths(std::size_t frames, const StopQuestion& stop);
 
   const SequenceInfo& info() const override { return source_->info(); }
@@ -23,6 +23,7 @@ class PeekedSource : public FrameSource {
  private:
   std::unique_ptr<FrameSource> source_;
   std::deque<SourceFrame> kept_;
+  bool ended_ = false;  ///< after what is kept
 };
 
 }  // namespace rosefusion

@@ -137,6 +137,7 @@ TEST(SceneSurvey, NothingInViewIsNoScene) {
   EXPECT_FALSE(survey(cv::Mat::zeros(kCamera.height, kCamera.width, CV_16UC1)));
   EXPECT_EQ(resolved(automatic()).volume.voxel_size, 0.02);
   EXPECT_EQ(resolved(automatic()).volume.truncation, 0.06);
+  EXPECT_THAT(choicesOf(automatic(), resolved(automatic()), {}).at(0), HasSubstr("too little depth"));
 }
 
 TEST(SceneSurvey, AutoIsWrittenAndReadAgain) {
