@@ -33,12 +33,22 @@ double nearestStep(double size) {
   });
 }
 
+/// Of a depth in the middle of the scene: the sensor's, or what was measured there if that is more.
+double deviationInTheMiddle(const SceneMeasures& scene, const DepthSettings& depth) {
+  const auto nearer = [&](const auto& one, const auto& other) {
+    return std::abs(one.depth - scene.median_depth) < std::abs(other.depth - scene.median_depth);
+  };
+  const auto measured = std::min_element(scene.flat.begin(), scene.flat.end(), nearer);
+  return std::max(depth.deviationAt(scene.median_depth),
+                  measured == scene.flat.end() ? 0 : measured->deviation);
+}
+
 double voxelFor(const SceneMeasures& scene, const DepthSettings& depth) {
   const double across = scene.view_width * scene.median_depth / kVoxelsAcross;
   const double least =
       std::max({scene.view_width * scene.far_depth / kMostAcrossFar,
                 kPixelsOfVoxel * scene.pixel_width * scene.median_depth,
-                std::min(kDeviationsOfVoxel * depth.deviationAt(scene.median_depth), 2 * kRoomVoxel)});
+                std::min(kDeviationsOfVoxel * deviationInTheMiddle(scene, depth), 2 * kRoomVoxel)});
   return std::max(std::min(nearestStep(across), kRoomVoxel), nearestStep(least));
 }
 

@@ -101,6 +101,14 @@ TEST(SceneSurvey, VoxelsFollowTheSizeOfTheView) {
   EXPECT_EQ(voxel(1.5).truncation, 0.06);
 }
 
+TEST(SceneSurvey, NoVoxelIsFinerThanTheNoiseMeasured) {
+  const auto rough = [](double) { return 0.015; };
+  cv::Mat depth = floorFrom(0.5, rough);
+  depth.colRange(0, 240).setTo(0);
+  depth.colRange(400, 640).setTo(0);
+  EXPECT_GE(resolved(automatic(), survey(depth)).volume.voxel_size, 0.01) << "by the sensor alone 0.005";
+}
+
 TEST(SceneSurvey, NoisyDepthsAreTruncatedFartherOff) {
   const VolumeSettings noisy = resolved(automatic(), survey(floorFrom(1.5, stereo))).volume;
   EXPECT_EQ(noisy.voxel_size, 0.02);
