@@ -8,7 +8,8 @@ program=$1 drop=$2 sequence=$3 out=$4
 shift 4
 mkdir -p "$out"
 exec 3>"$out/display"
-Xvfb -displayfd 3 -screen 0 1280x800x24 >"$out/xvfb.log" 2>&1 &
+# -noreset: a server that starts again when its last client leaves (xdotool, below) refuses the viewer meanwhile.
+Xvfb -displayfd 3 -noreset -screen 0 1280x800x24 >"$out/xvfb.log" 2>&1 &
 server=$!
 viewer=
 cleanup() {
