@@ -182,13 +182,13 @@ void Device::Impl::open(std::uint32_t family, VkQueue callers_queue, std::string
   pipeline_cache = own_pipeline_cache;
 }
 
-VkResult Device::Impl::submit(const VkSubmitInfo& work, VkFence fence) {
+VkResult Device::Impl::submit(const VkSubmitInfo& batch, VkFence fence) {
   const std::lock_guard ours(queue_mutex);
   if (lock_queue) lock_queue();
   const std::shared_ptr<void> theirs(nullptr, [&](void*) {
     if (unlock_queue) unlock_queue();
   });
-  return vk.QueueSubmit(queue, 1, &work, fence);
+  return vk.QueueSubmit(queue, 1, &batch, fence);
 }
 
 Device::Device(const DeviceOptions& options) : impl_(openLoader()) {
@@ -219,6 +219,9 @@ const DeviceInfo& Device::info() const {
 }
 std::uint64_t Device::allocatedBytes() const {
   return impl_->allocated_bytes;
+}
+DeviceWork Device::work() const {
+  return {impl_->work.submits, impl_->work.dispatches, impl_->work.copied_bytes};
 }
 const std::vector<std::string>& Device::validationMessages() const {
   return impl_->validation_messages;

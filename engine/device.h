@@ -34,6 +34,8 @@ struct DeviceInfo {
   bool conformant = true;  ///< false: the driver says that it does not pass Vulkan's tests
   DeviceLimits limits;
   std::string rejected_because;  ///< empty when rosefusion can run on it
+  /// Whether what the host writes lies in another memory than the shaders' own.
+  bool hasOwnMemory() const { return type == DeviceType::Discrete || type == DeviceType::Virtual; }
   /// Whether shaders read through texel buffers: on software devices, where llvmpipe is much faster so, and
   /// where these hold at least as much as any storage binding. GPUs were only ever measured without.
   bool readsTexels() const { return type == DeviceType::Cpu && 4ull * limits.max_texels >= (128u << 20); }
@@ -51,6 +53,13 @@ struct DeviceOptions {
   bool validation = false;  ///< load VK_LAYER_KHRONOS_validation; its absence is a DeviceError
   /// Non-zero values make the device report no more than that: tests see what smaller devices would do.
   DeviceLimits limits_at_most;
+};
+
+/// What a Device was given to do since it was made.
+struct DeviceWork {
+  std::uint64_t submits = 0;
+  std::uint64_t dispatches = 0;
+  std::uint64_t copied_bytes = 0;  ///< between buffers
 };
 
 struct CallerDevice;  // engine/caller_device.h
@@ -71,6 +80,7 @@ class Device {
   const DeviceInfo& info() const;
   /// Bytes of device memory held by this Device's buffers now.
   std::uint64_t allocatedBytes() const;
+  DeviceWork work() const;
   /// What the validation layer said so far (warnings and errors); tests fail when it is not empty. On a
   /// caller's device the caller hears it.
   const std::vector<std::string>& validationMessages() const;

@@ -30,9 +30,11 @@ class Kernel {
 
   struct Impl;
   Impl& impl() const { return *impl_; }
+  /// For who keeps it alive while it runs.
+  std::shared_ptr<Impl> shared() const { return impl_; }
 
  private:
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Impl> impl_;
 };
 
 }  // namespace rosefusion

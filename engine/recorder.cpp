@@ -37,12 +37,21 @@ struct Recorder::Impl {
   OwnedFence fence;
   std::uint32_t sets_used = 0;  // freed with the pool's reset
   bool recording = false;
+  bool running = false;      // own_commands are the device's
   std::vector<Buffer> held;  // what the recorded commands use
+  std::vector<std::shared_ptr<Kernel::Impl>> held_kernels;
 
   const Commands& vk() const { return device.vk; }
   bool isCallers() const { return commands != own_commands; }
+  ~Impl() {
+    try {
+      finish();
+    } catch (const DeviceError&) {  // nobody is left to hear of a lost device
+    }
+  }
   void begin() {
     if (recording) return;
+    finish();
     const VkCommandBufferBeginInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
     if (!isCallers()) require(vk().BeginCommandBuffer(own_commands, &info), "beginning a command buffer");
@@ -55,6 +64,7 @@ struct Recorder::Impl {
     (void)vk().ResetDescriptorPool(device.device, pool, 0);  // cannot fail
     sets_used = 0;
     held.clear();
+    held_kernels.clear();
   }
   /// Asks again and again for a while, which ends sooner than a sleeping thread wakes. A CPU that is the
   /// device has better to do.
@@ -64,6 +74,18 @@ struct Recorder::Impl {
     while (std::chrono::steady_clock::now() < end)
       if (vk().GetFenceStatus(device.device, fence) == VK_SUCCESS) return true;
     return false;
+  }
+  void finish() {
+    if (!running) return;
+    running = false;  // of a lost device there is nothing more to wait for
+    const VkFence* waited = fence.address();
+    const char* doing = "running compute work";
+    if (!isSoonDone())
+      require(
+          vk().WaitForFences(device.device, 1, waited, VK_TRUE, std::numeric_limits<std::uint64_t>::max()),
+          doing);
+    require(vk().ResetFences(device.device, 1, waited), doing);
+    letGo();
   }
   void barrier() {
     makeVisible(VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
@@ -78,14 +100,17 @@ struct Recorder::Impl {
     vk().CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
                             stages, 0, 1, &written, 0, nullptr, 0, nullptr);
   }
-  void bind(const Kernel::Impl& kernel, std::span<const Buffer* const> buffers, const void* push,
+  void bind(const Kernel::Impl& kernel, std::span<const BoundBuffers> bound, const void* push,
             std::uint32_t push_bytes) {
+    std::vector<const Buffer*> buffers;
+    for (const BoundBuffers& several : bound)
+      for (std::size_t i = 0; i < several.size(); ++i) buffers.push_back(&several[i]);
     if (buffers.size() != kernel.kinds.size() || push_bytes != kernel.push_bytes)
       throw DeviceError(DeviceErrorCode::Programming, "Kernel " + kernel.name + " was given " +
                                                           std::to_string(buffers.size()) + " buffers and " +
                                                           std::to_string(push_bytes) + " B of constants.");
     for (const Buffer* buffer : buffers)
-      if (!buffer || !*buffer)
+      if (!*buffer)
         throw DeviceError(DeviceErrorCode::Programming,
                           "Kernel " + kernel.name + " was given an empty buffer.");
     std::vector<VkBufferView> views(buffers.size());
@@ -122,6 +147,7 @@ struct Recorder::Impl {
                         .descriptorType = descriptorType(kernel.kinds[i]),
                         .pBufferInfo = &infos[i],
                         .pTexelBufferView = &views[i]});
+    ++device.work.dispatches;
     vk().UpdateDescriptorSets(device.device, static_cast<std::uint32_t>(writes.size()), writes.data(), 0,
                               nullptr);
     vk().CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.pipeline);
@@ -161,7 +187,7 @@ Recorder::~Recorder() = default;
 Recorder::Recorder(Recorder&&) noexcept = default;
 Recorder& Recorder::operator=(Recorder&&) noexcept = default;
 
-void Recorder::dispatchBytes(const Kernel& kernel, std::span<const Buffer* const> buffers, const void* push,
+void Recorder::dispatchBytes(const Kernel& kernel, std::span<const BoundBuffers> buffers, const void* push,
                              std::uint32_t push_bytes, Threads threads) {
   const auto& group = kernel.impl().workgroup;
   const std::uint32_t along_x = (threads.x + group[0] - 1) / group[0];
@@ -171,19 +197,21 @@ void Recorder::dispatchBytes(const Kernel& kernel, std::span<const Buffer* const
                           " workgroups are more than the " +
                           std::to_string(info.limits.max_workgroup_count_x) + " that " + info.name +
                           " runs; give it smaller images.");
+  impl_->held_kernels.push_back(kernel.shared());
   impl_->bind(kernel.impl(), buffers, push, push_bytes);
   impl_->vk().CmdDispatch(impl_->commands, along_x, (threads.y + group[1] - 1) / group[1],
                           (threads.z + group[2] - 1) / group[2]);
   impl_->barrier();
 }
 
-void Recorder::dispatchGroups(const Kernel& kernel, std::span<const Buffer* const> buffers, const void* push,
-                              std::uint32_t push_bytes, std::uint32_t groups) {
-  if (groups == 0) return;
+void Recorder::dispatchBytes(const Kernel& kernel, std::span<const BoundBuffers> buffers, const void* push,
+                             std::uint32_t push_bytes, Groups groups) {
+  if (groups.count == 0) return;
+  impl_->held_kernels.push_back(kernel.shared());
   impl_->bind(kernel.impl(), buffers, push, push_bytes);
   const std::uint32_t widest = std::min(32768u, impl_->device.info.limits.max_workgroup_count_x);
-  const std::uint32_t rows = (groups + widest - 1) / widest;
-  impl_->vk().CmdDispatch(impl_->commands, std::min(groups, widest), rows, 1);
+  const std::uint32_t rows = (groups.count + widest - 1) / widest;
+  impl_->vk().CmdDispatch(impl_->commands, std::min(groups.count, widest), rows, 1);
   impl_->barrier();
 }
 
@@ -196,6 +224,7 @@ void Recorder::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, s
   const VkBufferCopy region{from_offset, to_offset, bytes};
   impl_->vk().CmdCopyBuffer(impl_->commands, from.impl().buffer, to.impl().buffer, 1, &region);
   impl_->hold({&from, &to});
+  impl_->device.work.copied_bytes += bytes;
   impl_->barrier();
 }
 
@@ -244,6 +273,7 @@ void Recorder::fill(const Buffer& buffer, std::uint32_t word, std::uint64_t offs
 }
 
 void Recorder::recordInto(VkCommandBuffer_T* commands) {
+  finish();
   if (impl_->recording && !impl_->isCallers())
     throw DeviceError(DeviceErrorCode::Programming, "What was recorded before must be submitted first.");
   impl_->letGo();
@@ -259,28 +289,30 @@ void Recorder::discard() {
 }
 
 void Recorder::submit() {
+  start();
+  finish();
+}
+
+void Recorder::start() {
   if (impl_->isCallers())
     throw DeviceError(DeviceErrorCode::Programming,
                       "A caller's command buffer is submitted by the caller, not by the engine.");
   if (!impl_->recording) return;
   Device::Impl& device = impl_->device;
-  const Commands& vk = device.vk;
-  const VkFence* fence = impl_->fence.address();
   const char* doing = "running compute work";
   const VkSubmitInfo work{
       .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &impl_->commands};
-  {
-    const Whole whole(*this);
-    impl_->showHost();
-    require(vk.EndCommandBuffer(impl_->commands), doing);
-    require(device.submit(work, *fence), doing);
-  }
+  const Whole whole(*this);
+  impl_->showHost();
+  require(device.vk.EndCommandBuffer(impl_->commands), doing);
+  require(device.submit(work, *impl_->fence.address()), doing);
+  ++device.work.submits;
   impl_->recording = false;
-  if (!impl_->isSoonDone())
-    require(vk.WaitForFences(device.device, 1, fence, VK_TRUE, std::numeric_limits<std::uint64_t>::max()),
-            doing);
-  require(vk.ResetFences(device.device, 1, fence), doing);
-  impl_->letGo();
+  impl_->running = true;
+}
+
+void Recorder::finish() {
+  impl_->finish();
 }
 
 }  // namespace rosefusion

@@ -22,6 +22,25 @@ struct Threads {
   std::uint32_t z = 1;
 };
 
+/// A number of workgroups.
+struct Groups {
+  std::uint32_t count = 0;
+};
+
+/// What some of a kernel's bindings in a row are given: a buffer, or several, of which those beyond the first
+/// `used` do not exist and the first stands in for them.
+class BoundBuffers {
+ public:
+  BoundBuffers(const Buffer& one) : buffers_(&one, 1), used_(1) {}
+  BoundBuffers(std::span<const Buffer> several, std::uint32_t used) : buffers_(several), used_(used) {}
+  std::size_t size() const { return buffers_.size(); }
+  const Buffer& operator[](std::size_t i) const { return buffers_[i < used_ ? i : 0]; }
+
+ private:
+  std::span<const Buffer> buffers_;
+  std::uint32_t used_;
+};
+
 /// Which part of an image a copy writes.
 enum class ImageAspect { Colour, Depth };
 
@@ -35,9 +54,9 @@ struct DevicePixels {
 };
 
 /// Commands run in order, each seeing all that the ones before wrote, and all that was submitted to the
-/// Device's queue before. Nothing runs before submit(), or before the caller submits its own command buffer.
-/// Movable; one thread. A pass object owns the buffers it fills, so record it once per submit. Buffers are
-/// held until what uses them has run.
+/// Device's queue before. Nothing runs before submit() or start(), or before the caller submits its own
+/// command buffer. Movable; one thread. A pass object owns the buffers it fills, so record it once per
+/// submit. Buffers and kernels are held until what uses them has run.
 class Recorder {
  public:
   explicit Recorder(Device& device);
@@ -45,20 +64,26 @@ class Recorder {
   Recorder(Recorder&&) noexcept;
   Recorder& operator=(Recorder&&) noexcept;
 
-  /// `buffers[i]` is binding i. Throws DeviceError (Programming) for a wrong number of buffers, an
-  /// empty buffer, a wrong push size, or more than 256 dispatches since the last submit; (MissingLimit) for
-  /// more workgroups along x than the device runs.
+  /// `buffers` in the order of the shader's bindings. Throws DeviceError (Programming) for a wrong number of
+  /// buffers, an empty buffer, a wrong push size, or more than 256 dispatches since the last submit;
+  /// (MissingLimit) for more workgroups along x than the device runs.
   template <typename Params>
-  void dispatch(const Kernel& kernel, std::initializer_list<const Buffer*> buffers, const Params& params,
+  void dispatch(const Kernel& kernel, std::initializer_list<BoundBuffers> buffers, const Params& params,
                 Threads threads) {
     dispatchBytes(kernel, {buffers.begin(), buffers.size()}, &params, sizeof(Params), threads);
   }
-  void dispatchBytes(const Kernel& kernel, std::span<const Buffer* const> buffers, const void* push,
+  /// The same with workgroups laid out on x and y, for kernels with one workgroup per item: the item is
+  /// gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, and may exceed groups - 1.
+  template <typename Params>
+  void dispatch(const Kernel& kernel, std::initializer_list<BoundBuffers> buffers, const Params& params,
+                Groups groups) {
+    dispatchBytes(kernel, {buffers.begin(), buffers.size()}, &params, sizeof(Params), groups);
+  }
+  /// The same where not all buffers are known beforehand.
+  void dispatchBytes(const Kernel& kernel, std::span<const BoundBuffers> buffers, const void* push,
                      std::uint32_t push_bytes, Threads threads);
-  /// The same with `groups` workgroups laid out on x and y, for kernels with one workgroup per item: the item
-  /// is gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, and may exceed groups - 1.
-  void dispatchGroups(const Kernel& kernel, std::span<const Buffer* const> buffers, const void* push,
-                      std::uint32_t push_bytes, std::uint32_t groups);
+  void dispatchBytes(const Kernel& kernel, std::span<const BoundBuffers> buffers, const void* push,
+                     std::uint32_t push_bytes, Groups groups);
   /// Throws DeviceError (Programming) when the bytes lie outside a buffer; so does fill().
   void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, std::uint64_t from_offset = 0,
             std::uint64_t to_offset = 0);
@@ -79,6 +104,11 @@ class Recorder {
 
   /// Runs what was recorded and waits for its end; mapped buffers then show the results. Throws DeviceError.
   void submit();
+  /// Lets the device begin with what was recorded, and does not wait. What it reads must stay as it is until
+  /// finish(): passes see to that, since each record() of theirs waits first.
+  void start();
+  /// Waits for what was started, if anything was. Throws DeviceError, also for what went wrong meanwhile.
+  void finish();
 
   /// From now on commands go into `commands`, a primary command buffer that the caller has begun, outside of
   /// a render pass, and submits itself to the Device's queue; submit() throws DeviceError (Programming). What
@@ -89,11 +119,14 @@ class Recorder {
   /// What was recorded since the last submit will not run. Of a caller's command buffer nothing is taken
   /// back: the caller resets it.
   void discard();
-  /// Lives while commands are recorded that belong together: an exception that ends it discards them, so that
-  /// half of them does not run with what is recorded next.
+  /// Lives while commands are recorded that belong together, whose buffers the host may fill: what was
+  /// started has ended before. An exception that ends it discards them, so that half of them does not run
+  /// with what is recorded next.
   class Whole {
    public:
-    explicit Whole(Recorder& recorder) : recorder_(recorder), exceptions_(std::uncaught_exceptions()) {}
+    explicit Whole(Recorder& recorder) : recorder_(recorder), exceptions_(std::uncaught_exceptions()) {
+      recorder.finish();
+    }
     Whole(const Whole&) = delete;
     ~Whole() {
       if (std::uncaught_exceptions() > exceptions_) recorder_.discard();

@@ -52,7 +52,8 @@ std::size_t storedIndex(std::size_t i) {
 
 }  // namespace
 
-Volume::Volume(Device& device, const VolumeOptions& options) : device_(device), recorder_(device) {
+Volume::Volume(Device& device, const VolumeOptions& options)
+    : device_(device), recorder_(device), table_entries_(device) {
   requireValid(options);
   options_ = options;
   const DeviceLimits& limits = device.info().limits;
@@ -162,7 +163,12 @@ void Volume::uploadTable() {
   recorder_.submit();
 }
 
-void Volume::clearRequests() {
+void Volume::restore() {
+  const std::uint64_t bytes = sizeof(glm::ivec4) * blocks_.size();
+  Buffer& stage = staging(bytes);
+  std::memcpy(stage.as<char>().data(), blocks_.data(), bytes);
+  recorder_.copy(stage, block_buffer_, bytes);
+  recorder_.submit();
   uploadTable();
 }
 
@@ -203,27 +209,33 @@ void Volume::cover(glm::ivec3 min, glm::ivec3 max) {
   uploadLayout();
 }
 
-void Volume::addBlocks(std::vector<std::uint32_t> entries) {
+void Volume::addBlocks(Recorder& recorder, std::vector<std::uint32_t> entries) {
+  const Recorder::Whole whole(recorder);
   if (entries.empty()) return;
   // Requests arrive in whatever order the device ran; sorted, the slots are the same in every run.
   std::sort(entries.begin(), entries.end());
   const auto first_slot = static_cast<std::uint32_t>(blocks_.size());
-  reserve(first_slot + static_cast<std::uint32_t>(entries.size()));
-  Buffer& stage = staging(sizeof(glm::ivec4) * entries.size());
-  const auto coordinates = stage.as<glm::ivec4>();
+  const auto slots = first_slot + static_cast<std::uint32_t>(entries.size());
+  if (slots > capacity_) recorder.submit();  // into the pools that are left behind
+  reserve(slots);
+  const std::uint64_t bytes = sizeof(glm::ivec4) * entries.size();
+  if (coordinates_.bytes() < bytes) coordinates_ = Buffer(device_, bytes * 3 / 2, Memory::Upload);
+  const auto coordinates = coordinates_.as<glm::ivec4>();
+  std::vector<TableEntry> written;
+  std::vector<glm::ivec4> added;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const int e = static_cast<int>(entries[i]);
     const glm::ivec3 entry(e % table_size_.x, e / table_size_.x % table_size_.y,
                            e / table_size_.x / table_size_.y);
-    blocks_.push_back(glm::ivec4(table_origin_ + entry, 0));
-    coordinates[i] = blocks_.back();
-    table_mirror_[entries[i]] = first_slot + static_cast<std::uint32_t>(i);
+    added.emplace_back(table_origin_ + entry, 0);
+    coordinates[i] = added.back();
+    written.push_back({entries[i], first_slot + static_cast<std::uint32_t>(i)});
   }
-  recorder_.copy(stage, block_buffer_, sizeof(glm::ivec4) * entries.size(), 0,
-                 sizeof(glm::ivec4) * first_slot);
-  recorder_.submit();
+  recorder.copy(coordinates_, block_buffer_, bytes, 0, sizeof(glm::ivec4) * first_slot);
+  table_entries_.record(recorder, written, table_, request_table_);
+  blocks_.insert(blocks_.end(), added.begin(), added.end());
+  for (const TableEntry& at : written) table_mirror_[at.entry] = at.slot;
   block_count_ = static_cast<std::uint32_t>(blocks_.size()) - 1;
-  uploadTable();
 }
 
 void Volume::clear() {

@@ -9,6 +9,7 @@
 
 #include "engine/buffer.h"
 #include "engine/depth_reach.h"
+#include "engine/passes/table_entries.h"
 #include "engine/recorder.h"
 #include "shaders/compute/interface/volume.h"
 
@@ -46,17 +47,13 @@ class VolumeView {
   const Buffer& layoutBuffer() const { return layout_; }
   const Buffer& table() const { return table_; }
   const Buffer& blockBuffer() const { return block_buffer_; }
-  /// Pool buffer `chunk` of kMaxPoolChunks; beyond those in use the first is repeated.
-  const Buffer& tsdf(std::uint32_t chunk) const { return pool(0, chunk); }
-  const Buffer& weight(std::uint32_t chunk) const { return pool(1, chunk); }
+  /// The kMaxPoolChunks pool buffers of a kind; beyond those in use the first is repeated.
+  BoundBuffers tsdf() const { return {pools_[0], chunks_}; }
+  BoundBuffers weight() const { return {pools_[1], chunks_}; }
   /// Without colour: the TSDF pool, which the shader then does not touch.
-  const Buffer& colour(std::uint32_t chunk) const { return pool(options_.colour ? 2 : 0, chunk); }
+  BoundBuffers colour() const { return {pools_[options_.colour ? 2 : 0], chunks_}; }
 
  protected:
-  const Buffer& pool(int kind, std::uint32_t chunk) const {
-    return pools_[kind][chunk < chunks_ ? chunk : 0];
-  }
-
   VolumeOptions options_;
   std::uint32_t block_count_ = 0;
   std::uint32_t chunks_ = 1;
@@ -80,10 +77,12 @@ class Volume : public VolumeView {
 
   /// Enlarges the page table so that it covers the block coordinates min..max (inclusive).
   void cover(glm::ivec3 min, glm::ivec3 max);
-  /// Gives slots to the table entries (linear indices), in ascending order whatever order they come in.
-  void addBlocks(std::vector<std::uint32_t> entries);
-  /// Takes back all kRequested marks that were given no slot.
-  void clearRequests();
+  /// Gives slots to the table entries (linear indices), in ascending order whatever order they come in. What
+  /// `recorder` records next finds them; where the pools must grow, it first runs what was recorded before.
+  void addBlocks(Recorder& recorder, std::vector<std::uint32_t> entries);
+  /// Brings the device to what the host knows: takes back kRequested marks that were given no slot, and makes
+  /// up for commands of addBlocks() that were discarded.
+  void restore();
   /// Forgets all blocks; the pools stay. Views of it read what is fused next.
   void clear();
   /// Slots whose block may be seen by the camera: in front of it, inside its image, nearer than `far`, and
@@ -111,7 +110,8 @@ class Volume : public VolumeView {
   glm::ivec3 table_size_{3};
   std::vector<std::uint32_t> table_mirror_;
   std::vector<glm::ivec4> blocks_;
-  Buffer request_table_, staging_;
+  TableEntriesPass table_entries_;
+  Buffer request_table_, staging_, coordinates_;
 };
 
 }  // namespace rosefusion

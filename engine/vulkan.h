@@ -33,6 +33,9 @@ struct Device::Impl : Maker {
   VkPhysicalDeviceMemoryProperties memory{};
   DeviceInfo info;
   std::atomic<std::uint64_t> allocated_bytes = 0;
+  struct {
+    std::atomic<std::uint64_t> submits = 0, dispatches = 0, copied_bytes = 0;
+  } work;
 };
 
 }  // namespace rosefusion

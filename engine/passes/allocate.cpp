@@ -1,9 +1,8 @@
 #include "engine/passes/allocate.h"
 
-#include <array>
 #include <cmath>
 #include <limits>
-#include <span>
+#include <vector>
 
 namespace rosefusion {
 namespace {
@@ -33,7 +32,7 @@ AllocatePass::AllocatePass(Device& device, std::uint32_t capacity)
   empty_.as<AllocateHeader>()[0] = emptyHeader();
 }
 
-void AllocatePass::record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
+void AllocatePass::record(Recorder& recorder, const Volume& volume, const DeviceFrame& frame,
                           const CameraIntrinsics& camera, const glm::mat4& world_from_camera) {
   const Recorder::Whole whole(recorder);
   recorder.copy(empty_, requests_, sizeof(AllocateHeader));
@@ -46,31 +45,32 @@ void AllocatePass::record(Recorder& recorder, const Volume& volume, const Prepro
   params.size = glm::ivec4(camera.size.x, camera.size.y, kPixelStride,
                            1 + static_cast<int>(std::ceil(2 * params.band / step)));
   params.capacity = capacity_;
-  const std::array<const Buffer*, kAllocateTexelBindings> buffers = {
-      &volume.layoutBuffer(), &volume.requestTable(), &frame.depth(), &requests_, &volume.requestTable()};
-  recorder.dispatchBytes(kernel_, std::span(buffers).first(bindingsOn(device_)), &params, sizeof(params),
-                         {std::uint32_t(camera.size.x + kPixelStride - 1) / kPixelStride,
-                          std::uint32_t(camera.size.y + kPixelStride - 1) / kPixelStride});
+  std::vector<BoundBuffers> buffers{volume.layoutBuffer(), volume.requestTable(), frame.depth, requests_};
+  if (device_.info().readsTexels()) buffers.emplace_back(volume.requestTable());
+  recorder.dispatchBytes(kernel_, buffers, &params, sizeof(params),
+                         Threads{std::uint32_t(camera.size.x + kPixelStride - 1) / kPixelStride,
+                                 std::uint32_t(camera.size.y + kPixelStride - 1) / kPixelStride});
 }
 
-bool AllocatePass::finish(Volume& volume) {
+bool AllocatePass::finish(Recorder& recorder, Volume& volume) {
   const AllocateHeader header = requests_.as<AllocateHeader>()[0];
   try {
     if (header.requested > capacity_) {
       // Which requests were listed depends on the order the device ran in; a list that holds all of them does
       // not.
-      volume.clearRequests();
+      volume.restore();
       requests_ = Buffer(device_, sizeof(AllocateHeader) + 4ull * header.requested, Memory::Readback);
       capacity_ = header.requested;
       return true;
     }
     const auto entries = requests_.as<std::uint32_t>().subspan(sizeof(AllocateHeader) / 4, header.requested);
-    volume.addBlocks({entries.begin(), entries.end()});
+    volume.addBlocks(recorder, {entries.begin(), entries.end()});
     if (header.outside == 0) return false;
+    recorder.submit();  // into the table that is left behind
     volume.cover({header.outside_min_x, header.outside_min_y, header.outside_min_z},
                  {header.outside_max_x, header.outside_max_y, header.outside_max_z});
   } catch (...) {
-    volume.clearRequests();
+    volume.restore();
     throw;
   }
   return true;

@@ -32,13 +32,15 @@ std::vector<std::uint32_t> caseTable() {
 
 struct ExtractPass::Work {
   const Volume& volume;
-  const Kernels& kernels;
   float min_weight;
   Recorder recorder;
   Buffer counts, listed, surface;
 };
 
-ExtractPass::ExtractPass(Device& device) : device_(device) {
+ExtractPass::ExtractPass(Device& device)
+    : device_(device),
+      count_(device, readerCode(device, "extract_count"), kExtractCountBindings, sizeof(ExtractCountParams)),
+      emit_(device, readerCode(device, "extract_emit"), kExtractEmitBindings, sizeof(ExtractEmitParams)) {
   const auto words = caseTable();
   cases_ = Buffer(device, 4 * words.size(), Memory::Upload);
   std::memcpy(cases_.as<char>().data(), words.data(), 4 * words.size());
@@ -47,15 +49,10 @@ ExtractPass::ExtractPass(Device& device) : device_(device) {
 void ExtractPass::count(Work& work, std::uint32_t first_slot, std::uint32_t blocks) {
   const ExtractCountParams params{first_slot, blocks, work.min_weight, 0};
   const Volume& volume = work.volume;
-  const Buffer* buffers[kExtractCountBindings] = {&volume.layoutBuffer(), &volume.table(),
-                                                  &volume.blockBuffer()};
-  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
-    buffers[kExtractCountBindTsdf + chunk] = &volume.tsdf(chunk);
-    buffers[kExtractCountBindWeight + chunk] = &volume.weight(chunk);
-  }
-  buffers[kExtractCountBindCases] = &cases_;
-  buffers[kExtractCountBindCounts] = &work.counts;
-  work.recorder.dispatchGroups(work.kernels.count, buffers, &params, sizeof(params), blocks);
+  work.recorder.dispatch(count_.of(volume.chunks()),
+                         {volume.layoutBuffer(), volume.table(), volume.blockBuffer(), volume.tsdf(),
+                          volume.weight(), cases_, work.counts},
+                         params, Groups{blocks});
   work.recorder.submit();
 }
 
@@ -64,17 +61,10 @@ void ExtractPass::emit(Work& work, std::span<const ExtractBlock> listed) {
   const Volume& volume = work.volume;
   const ExtractEmitParams params{static_cast<std::uint32_t>(listed.size()), work.min_weight,
                                  volume.options().colour, 0};
-  const Buffer* buffers[kExtractEmitBindings] = {&volume.layoutBuffer(), &volume.table(),
-                                                 &volume.blockBuffer()};
-  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
-    buffers[kExtractEmitBindTsdf + chunk] = &volume.tsdf(chunk);
-    buffers[kExtractEmitBindWeight + chunk] = &volume.weight(chunk);
-    buffers[kExtractEmitBindColour + chunk] = &volume.colour(chunk);
-  }
-  buffers[kExtractEmitBindListed] = &work.listed;
-  buffers[kExtractEmitBindSurface] = &work.surface;
-  work.recorder.dispatchGroups(work.kernels.emit, buffers, &params, sizeof(params),
-                               static_cast<std::uint32_t>(listed.size()));
+  work.recorder.dispatch(emit_.of(volume.chunks()),
+                         {volume.layoutBuffer(), volume.table(), volume.blockBuffer(), volume.tsdf(),
+                          volume.weight(), volume.colour(), work.listed, work.surface},
+                         params, Groups{static_cast<std::uint32_t>(listed.size())});
   work.recorder.submit();
 }
 
@@ -84,15 +74,7 @@ void ExtractPass::run(const Volume& volume, float min_weight,
   if (slots > kMaxSlots)
     throw DeviceError(DeviceErrorCode::OutOfMemory,
                       "The volume has too many blocks for one mesh; make volume.voxel_size larger.");
-  Kernels& kernels = kernels_[volume.chunks()];
-  if (!kernels.count) {
-    kernels.count = Kernel(device_, readerCode(device_, "extract_count"), kExtractCountBindings,
-                           sizeof(ExtractCountParams), {volume.chunks()});
-    kernels.emit = Kernel(device_, readerCode(device_, "extract_emit"), kExtractEmitBindings,
-                          sizeof(ExtractEmitParams), {volume.chunks()});
-  }
   Work work{volume,
-            kernels,
             min_weight,
             Recorder(device_),
             Buffer(device_, sizeof(ExtractCount) * kCountBatch, Memory::Readback),

@@ -2,9 +2,9 @@
 // blocks at a time.
 #pragma once
 #include <functional>
-#include <map>
 #include <span>
 
+#include "engine/kernel_variants.h"
 #include "engine/volume.h"
 #include "shaders/compute/interface/extract_count.h"
 #include "shaders/compute/interface/extract_emit.h"
@@ -32,15 +32,12 @@ class ExtractPass {
   void run(const Volume& volume, float min_weight, const std::function<void(const ExtractBatch&)>& take);
 
  private:
-  struct Kernels {
-    Kernel count, emit;
-  };
   struct Work;
   void count(Work& work, std::uint32_t first_slot, std::uint32_t blocks);
   void emit(Work& work, std::span<const shader::ExtractBlock> listed);
 
   Device& device_;
-  std::map<std::uint32_t, Kernels> kernels_;  ///< by number of pool chunks
+  KernelVariants count_, emit_;  ///< by number of pool chunks
   Buffer cases_;
 };
 

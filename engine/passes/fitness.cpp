@@ -30,6 +30,7 @@ FitnessPass::FitnessPass(Device& device, std::span<const glm::vec4> templates, L
       loss_(loss),
       compensate_(compensate),
       slices_(slices),
+      kernels_(device, readerCode(device, "fitness"), kFitnessBindings, sizeof(FitnessParams)),
       reduce_(device, shaderCode("fitness_reduce"), 4, sizeof(FitnessReduceParams)) {
   overlap_ = Buffer(device, sizeof(OverlapView), Memory::Upload);
   setTemplates(templates);
@@ -76,26 +77,15 @@ void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectP
 
   // One slice cannot give a particle up for the others: their sums would stand for different points.
   raced_ = swarm.race_margin > 0 && slices == 1;
-  Kernel& kernel = kernels_[{volume.chunks(), last_view != nullptr, raced_}];
-  if (!kernel)
-    kernel = Kernel(
-        device_, readerCode(device_, "fitness"), kFitnessBindings, sizeof(FitnessParams),
-        {volume.chunks(), static_cast<std::uint32_t>(loss_), compensate_, last_view != nullptr, raced_});
   const FitnessParams params{swarm.world_from_camera, swarm.translation_lengths, swarm.rotation_lengths,
                              swarm.particles,         swarm.first_particle,      slices,
                              swarm.race_margin};
-  const Buffer* buffers[kFitnessBindings] = {&volume.layoutBuffer(), &volume.table()};
-  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk)
-    buffers[kFitnessBindTsdf + chunk] = &volume.tsdf(chunk);
-  buffers[kFitnessBindTemplates] = &templates_;
-  buffers[kFitnessBindPoints] = &points.points();
-  buffers[kFitnessBindCount] = &points.count();
-  buffers[kFitnessBindPartial] = &partial_;
-  buffers[kFitnessBindOverlap] = &overlap_;
-  recorder.dispatchBytes(kernel, buffers, &params, sizeof(params),
-                         {(swarm.particles + kFitnessParticles - 1) / kFitnessParticles, slices});
-  recorder.dispatch(reduce_, {&partial_, &loss_buffer_, &counted_, &walked_},
-                    FitnessReduceParams{swarm.particles, slices}, {swarm.particles});
+  recorder.dispatch(kernels_.of(volume.chunks(), loss_, compensate_, last_view != nullptr, raced_),
+                    {volume.layoutBuffer(), volume.table(), volume.tsdf(), templates_, points.points(),
+                     points.count(), partial_, overlap_},
+                    params, Threads{(swarm.particles + kFitnessParticles - 1) / kFitnessParticles, slices});
+  recorder.dispatch(reduce_, {partial_, loss_buffer_, counted_, walked_},
+                    FitnessReduceParams{swarm.particles, slices}, Threads{swarm.particles});
 }
 
 }  // namespace rosefusion

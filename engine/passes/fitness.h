@@ -1,9 +1,8 @@
 // Passes fitness and fitness_reduce: the mean loss of every particle of a swarm template.
 #pragma once
-#include <map>
 #include <span>
-#include <tuple>
 
+#include "engine/kernel_variants.h"
 #include "engine/passes/select_points.h"
 #include "engine/volume.h"
 #include "shaders/compute/interface/fitness.h"
@@ -61,8 +60,7 @@ class FitnessPass {
   Loss loss_;
   bool compensate_;
   std::uint32_t slices_;
-  std::map<std::tuple<std::uint32_t, bool, bool>, Kernel>
-      kernels_;  ///< by number of pool chunks, overlap per particle, and racing
+  KernelVariants kernels_;  ///< by number of pool chunks, loss, compensation, overlap per particle, racing
   Kernel reduce_;
   Buffer templates_, partial_, loss_buffer_, counted_, walked_, overlap_;
   std::uint32_t particles_ = 0;

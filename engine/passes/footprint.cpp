@@ -19,8 +19,8 @@ std::uint32_t numberOf(glm::ivec2 cells) {
 }
 
 /// Laid out on x and y, since images may have more cells than a device runs workgroups along x.
-std::uint32_t groupsOf(glm::ivec2 cells) {
-  return (numberOf(cells) + kFootprintGroup - 1) / kFootprintGroup;
+Groups groupsOf(glm::ivec2 cells) {
+  return {(numberOf(cells) + kFootprintGroup - 1) / kFootprintGroup};
 }
 
 }  // namespace
@@ -40,15 +40,14 @@ void FootprintPass::record(Recorder& recorder, const Buffer& raw, const Buffer& 
     const MomentsParams params{{camera_.size.x, camera_.size.y, finer.x, finer.y},
                                {cells.x, cells.y, level, 0}};
     const Buffer& below = cells_[level == 0 ? 1 : level - 1];
-    const Buffer* buffers[] = {&own, &below, &cells_[level]};
-    recorder.dispatchGroups(moments_, buffers, &params, sizeof(params), groupsOf(cells));
+    recorder.dispatch(moments_, {own, below, cells_[level]}, params, groupsOf(cells));
   }
   const glm::ivec2 cells = cellsOf(camera_, 0);
   const FootprintParams params{camera_.focal_centre, {camera_.size.x, camera_.size.y, cells.x, cells.y},
                                voxel_size,           noise.floor,
                                noise.growth,         0};
-  const Buffer* buffers[] = {&raw, &own, &cells_[0], &cells_[1], &cells_[2], &cells_[3], &depth, &points};
-  recorder.dispatchGroups(footprint_, buffers, &params, sizeof(params), groupsOf(cells));
+  recorder.dispatch(footprint_, {raw, own, cells_[0], cells_[1], cells_[2], cells_[3], depth, points}, params,
+                    groupsOf(cells));
 }
 
 }  // namespace rosefusion

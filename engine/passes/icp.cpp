@@ -14,7 +14,7 @@ IcpPass::IcpPass(Device& device, const CameraIntrinsics& camera)
       model_(device, sizeof(IcpModel), Memory::Upload),
       sums_(device, sizeof(float) * kIcpSums * parts_, Memory::Readback) {}
 
-void IcpPass::record(Recorder& recorder, const PreprocessPass& frame, const RaycastPass& model,
+void IcpPass::record(Recorder& recorder, const DeviceFrame& frame, const RaycastPass& model,
                      const glm::mat4& camera_from_world, const IcpPairing& pairing,
                      const glm::mat4& world_from_camera) {
   const Recorder::Whole whole(recorder);
@@ -25,8 +25,8 @@ void IcpPass::record(Recorder& recorder, const PreprocessPass& frame, const Rayc
   cells_ = static_cast<std::uint32_t>(grid.z * grid.w);
   model_.as<IcpModel>()[0] = {
       camera_from_world, camera_.focal_centre, camera_.size, grid, pairing.distance, pairing.cosine, 0, 0};
-  recorder.dispatch(kernel_, {&frame.points(), &model.surface(), &model_, &sums_},
-                    IcpParams{world_from_camera, parts_, 0, 0, 0}, {parts_ * kIcpGroup});
+  recorder.dispatch(kernel_, {frame.points, model.surface(), model_, sums_},
+                    IcpParams{world_from_camera, parts_, 0, 0, 0}, Threads{parts_ * kIcpGroup});
 }
 
 IcpSums IcpPass::sums() const {

@@ -2,7 +2,7 @@
 #pragma once
 #include <array>
 
-#include "engine/passes/preprocess.h"
+#include "engine/device_frame.h"
 #include "engine/passes/raycast.h"
 #include "shaders/compute/interface/icp.h"
 
@@ -24,7 +24,7 @@ class IcpPass {
   IcpPass(Device& device, const shader::CameraIntrinsics& camera);
 
   /// The frame at `world_from_camera` against the model as `model` has cast it from `camera_from_world`.
-  void record(Recorder& recorder, const PreprocessPass& frame, const RaycastPass& model,
+  void record(Recorder& recorder, const DeviceFrame& frame, const RaycastPass& model,
               const glm::mat4& camera_from_world, const IcpPairing& pairing,
               const glm::mat4& world_from_camera);
   /// After the submit.

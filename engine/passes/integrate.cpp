@@ -7,9 +7,13 @@ namespace rosefusion {
 
 using namespace shader;
 
-IntegratePass::IntegratePass(Device& device) : device_(device) {}
+IntegratePass::IntegratePass(Device& device)
+    : device_(device),
+      kernels_(device, readerCode(device, "integrate"),
+               device.info().readsTexels() ? kIntegrateTexelBindings : kIntegrateBindings,
+               sizeof(IntegrateParams)) {}
 
-void IntegratePass::record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
+void IntegratePass::record(Recorder& recorder, const Volume& volume, const DeviceFrame& frame,
                            const CameraIntrinsics& camera, const glm::mat4& camera_from_world, float far,
                            const SensorNoise& noise) {
   const Recorder::Whole whole(recorder);
@@ -19,12 +23,7 @@ void IntegratePass::record(Recorder& recorder, const Volume& volume, const Prepr
   if (visible_.bytes() < bytes) visible_ = Buffer(device_, bytes * 3 / 2, Memory::Upload);
   std::memcpy(visible_.as<char>().data(), slots_.data(), bytes);
 
-  const std::uint32_t bindings = device_.info().readsTexels() ? kIntegrateTexelBindings : kIntegrateBindings;
-  Kernel& kernel = kernels_[volume.chunks()];
-  if (!kernel)
-    kernel = Kernel(device_, readerCode(device_, "integrate"), bindings, sizeof(IntegrateParams),
-                    {volume.chunks()});
-  const bool colour = volume.options().colour && frame.hasColour();
+  const bool colour = volume.options().colour && frame.has_colour;
   const IntegrateParams params{
       camera_from_world,
       camera.focal_centre,
@@ -33,17 +32,13 @@ void IntegratePass::record(Recorder& recorder, const Volume& volume, const Prepr
       noise.growth,
       noise.bias_growth,
       volume.options().thin_walls};
-  const Buffer* buffers[kIntegrateTexelBindings] = {&volume.layoutBuffer(), &volume.blockBuffer(), &visible_,
-                                                    &frame.depth(), &frame.colour()};
-  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
-    buffers[kIntegrateBindTsdf + chunk] = buffers[kIntegrateBindTsdfTexels + chunk] = &volume.tsdf(chunk);
-    buffers[kIntegrateBindWeight + chunk] = buffers[kIntegrateBindWeightTexels + chunk] =
-        &volume.weight(chunk);
-    buffers[kIntegrateBindColour + chunk] = buffers[kIntegrateBindColourTexels + chunk] =
-        &volume.colour(chunk);
-  }
-  recorder.dispatchGroups(kernel, std::span(buffers).first(bindings), &params, sizeof(params),
-                          static_cast<std::uint32_t>(slots_.size()));
+  std::vector<BoundBuffers> buffers{volume.layoutBuffer(), volume.blockBuffer(), visible_,
+                                    frame.depth,           frame.colour,         volume.tsdf(),
+                                    volume.weight(),       volume.colour()};
+  if (device_.info().readsTexels())
+    buffers.insert(buffers.end(), {volume.tsdf(), volume.weight(), volume.colour()});
+  recorder.dispatchBytes(kernels_.of(volume.chunks()), buffers, &params, sizeof(params),
+                         Groups{static_cast<std::uint32_t>(slots_.size())});
 }
 
 }  // namespace rosefusion

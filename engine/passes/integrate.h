@@ -1,10 +1,12 @@
 // Pass integrate: fuses the current depth image into the volume.
 #pragma once
-#include <map>
+#include <vector>
 
-#include "engine/passes/preprocess.h"
+#include "engine/device_frame.h"
+#include "engine/kernel_variants.h"
 #include "engine/sensor_noise.h"
 #include "engine/volume.h"
+#include "shaders/compute/interface/camera.h"
 #include "shaders/compute/interface/integrate.h"
 
 namespace rosefusion {
@@ -16,7 +18,7 @@ class IntegratePass {
   /// Updates all allocated blocks that the camera can see up to `far` metres and that no surface of the frame
   /// hides. The frame's own submit must have ended, and the blocks around the surface must have been
   /// allocated (AllocatePass). A depth weighs (floor / deviation)^2 of `noise`.
-  void record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
+  void record(Recorder& recorder, const Volume& volume, const DeviceFrame& frame,
               const shader::CameraIntrinsics& camera, const glm::mat4& camera_from_world, float far,
               const SensorNoise& noise = {});
   /// Recorded last.
@@ -24,7 +26,7 @@ class IntegratePass {
 
  private:
   Device& device_;
-  std::map<std::uint32_t, Kernel> kernels_;  ///< by number of pool chunks
+  KernelVariants kernels_;  ///< by number of pool chunks
   std::vector<std::uint32_t> slots_;
   Buffer visible_;
 };

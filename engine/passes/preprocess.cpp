@@ -20,12 +20,15 @@ PreprocessPass::PreprocessPass(Device& device, const shader::CameraIntrinsics& c
       farthest_(device, readerCode(device, "farthest"), 2, sizeof(shader::FarthestParams)),
       footprint_(device, camera) {
   const auto pixels = static_cast<std::uint64_t>(camera.size.x) * camera.size.y;
-  raw_ = Buffer(device, 2 * pixels, Memory::Upload);
-  depth_ = Buffer(device, 4 * pixels, Memory::Device);
+  raw_ = Uploaded(device, 2 * pixels);
   own_depth_ = Buffer(device, 4 * pixels, Memory::Device);
-  points_ = Buffer(device, 16 * pixels, Memory::Device);
-  tiles_ = Buffer(device, 4ull * tilesAlong(camera.size.x) * tilesAlong(camera.size.y), Memory::Readback);
-  colour_ = Buffer(device, 16, Memory::Upload);
+  frame_.depth = Buffer(device, 4 * pixels, Memory::Device);
+  frame_.points = Buffer(device, 16 * pixels, Memory::Device);
+  frame_.colour = Buffer(device, 16, Memory::Upload);
+  frame_.tile_columns = tilesAlong(camera.size.x);
+  frame_.tile_rows = tilesAlong(camera.size.y);
+  frame_.tile_pixels = shader::kFarthestTile;
+  frame_.tiles = Buffer(device, 4ull * frame_.tile_columns * frame_.tile_rows, Memory::Readback);
 }
 
 void PreprocessPass::record(Recorder& recorder, std::span<const std::uint16_t> raw, float metres_per_unit,
@@ -35,6 +38,7 @@ void PreprocessPass::record(Recorder& recorder, std::span<const std::uint16_t> r
   if (raw.size() != static_cast<std::size_t>(camera_.size.x) * camera_.size.y)
     throw DeviceError(DeviceErrorCode::Programming, "The depth image has not the camera's size.");
   std::memcpy(raw_.as<char>().data(), raw.data(), raw.size_bytes());
+  raw_.record(recorder);
   recordKernel(recorder, metres_per_unit, min_depth, max_depth, edge_sigmas, noise, voxel_size);
 }
 
@@ -42,7 +46,7 @@ void PreprocessPass::record(Recorder& recorder, const DevicePixels& raw, float m
                             float min_depth, float max_depth, float edge_sigmas, const SensorNoise& noise,
                             float voxel_size) {
   const Recorder::Whole whole(recorder);
-  recorder.copyPixels(raw, raw_, static_cast<std::uint32_t>(camera_.size.x),
+  recorder.copyPixels(raw, raw_.buffer(), static_cast<std::uint32_t>(camera_.size.x),
                       static_cast<std::uint32_t>(camera_.size.y), 2);
   recordKernel(recorder, metres_per_unit, min_depth, max_depth, edge_sigmas, noise, voxel_size);
 }
@@ -53,26 +57,28 @@ void PreprocessPass::recordKernel(Recorder& recorder, float metres_per_unit, flo
   const shader::PreprocessParams params{camera_.size, metres_per_unit, min_depth, max_depth, edge_sigmas,
                                         noise.floor,  noise.growth,    0,         0};
   const std::uint32_t per_group = 2 * shader::kPreprocessGroup;
-  const Buffer* buffers[] = {&raw_, &own_depth_};
-  recorder.dispatchGroups(kernel_, buffers, &params, sizeof(params), (pixels + per_group - 1) / per_group);
-  footprint_.record(recorder, raw_, own_depth_, depth_, points_, voxel_size, noise);
-  const int columns = tilesAlong(camera_.size.x), rows = tilesAlong(camera_.size.y);
+  recorder.dispatch(kernel_, {raw_.buffer(), own_depth_}, params,
+                    Groups{(pixels + per_group - 1) / per_group});
+  footprint_.record(recorder, raw_.buffer(), own_depth_, frame_.depth, frame_.points, voxel_size, noise);
+  const int columns = frame_.tile_columns, rows = frame_.tile_rows;
   const shader::FarthestParams tiles{glm::ivec4(camera_.size.x, camera_.size.y, columns, rows)};
-  recorder.dispatch(farthest_, {&depth_, &tiles_}, tiles, {static_cast<std::uint32_t>(columns * rows)});
+  recorder.dispatch(farthest_, {frame_.depth, frame_.tiles}, tiles,
+                    Threads{static_cast<std::uint32_t>(columns * rows)});
 }
 
-DepthReach PreprocessPass::reach() const {
-  const int columns = tilesAlong(camera_.size.x), rows = tilesAlong(camera_.size.y);
-  return {tiles_.as<float>().first(std::size_t(columns) * rows), columns, shader::kFarthestTile};
-}
-
-void PreprocessPass::setColour(std::span<const std::uint32_t> rgb) {
+std::span<std::uint32_t> PreprocessPass::colourWords() {
   const auto pixels = static_cast<std::size_t>(camera_.size.x) * camera_.size.y;
-  if (rgb.size() != pixels)
-    throw DeviceError(DeviceErrorCode::Programming, "The colour image has not the camera's size.");
-  if (colour_.bytes() < rgb.size_bytes()) colour_ = Buffer(device_, rgb.size_bytes(), Memory::Upload);
-  std::memcpy(colour_.as<char>().data(), rgb.data(), rgb.size_bytes());
-  has_colour_ = true;
+  if (colour_.bytes() < 4 * pixels) {
+    colour_ = Uploaded(device_, 4 * pixels);
+    frame_.colour = colour_.buffer();
+  }
+  return colour_.as<std::uint32_t>().first(pixels);
+}
+
+void PreprocessPass::recordColour(Recorder& recorder) {
+  const Recorder::Whole whole(recorder);
+  if (colour_.bytes() > 0) colour_.record(recorder);
+  frame_.has_colour = colour_.bytes() > 0;
 }
 
 }  // namespace rosefusion

@@ -3,15 +3,16 @@
 #include <cstdint>
 #include <span>
 
-#include "engine/depth_reach.h"
+#include "engine/device_frame.h"
 #include "engine/passes/footprint.h"
+#include "engine/uploaded.h"
 #include "shaders/compute/interface/camera.h"
 #include "shaders/compute/interface/farthest.h"
 #include "shaders/compute/interface/preprocess.h"
 
 namespace rosefusion {
 
-/// One image size for life. Holds the current frame's depth, points and colour for the passes that follow.
+/// One image size for life. Holds the current frame for the passes that follow.
 class PreprocessPass {
  public:
   PreprocessPass(Device& device, const shader::CameraIntrinsics& camera);
@@ -24,16 +25,12 @@ class PreprocessPass {
   /// The same of depths that are on the device already.
   void record(Recorder& recorder, const DevicePixels& raw, float metres_per_unit, float min_depth,
               float max_depth, float edge_sigmas = 0, const SensorNoise& noise = {}, float voxel_size = 0);
-  /// `rgb`: one word 0x00BBGGRR per pixel (red in the low byte). Copies at once: call between submits.
-  void setColour(std::span<const std::uint32_t> rgb);
-
-  const Buffer& depth() const { return depth_; }    ///< float metres per pixel, 0 = invalid
-  const Buffer& points() const { return points_; }  ///< vec4 per pixel, camera frame, w = 1 where valid
-  const Buffer& colour() const { return colour_; }
-  /// After the submit: how far each part of the image sees.
-  DepthReach reach() const;
-  bool hasColour() const { return has_colour_; }
-  void clearColour() { has_colour_ = false; }
+  /// One word per pixel to fill, red in the low byte, then green and blue; the top byte is not read. Once
+  /// what was recorded before has run; then recordColour().
+  std::span<std::uint32_t> colourWords();
+  void recordColour(Recorder& recorder);
+  void clearColour() { frame_.has_colour = false; }
+  const DeviceFrame& frame() const { return frame_; }
 
  private:
   void recordKernel(Recorder& recorder, float metres_per_unit, float min_depth, float max_depth,
@@ -43,8 +40,9 @@ class PreprocessPass {
   shader::CameraIntrinsics camera_;
   Kernel kernel_, farthest_;
   FootprintPass footprint_;
-  Buffer raw_, own_depth_, depth_, points_, tiles_, colour_;
-  bool has_colour_ = false;
+  Uploaded raw_, colour_;
+  Buffer own_depth_;
+  DeviceFrame frame_;
 };
 
 }  // namespace rosefusion

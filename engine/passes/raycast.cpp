@@ -6,16 +6,9 @@ namespace rosefusion {
 
 using namespace shader;
 
-const RaycastKernels::Pair& RaycastKernels::of(const VolumeView& volume) {
-  Pair& pair = pairs_[volume.chunks()];
-  if (!pair.cast) {
-    pair.range = Kernel(device_, readerCode(device_, "raycast_range"), kRaycastRangeBindings,
-                        sizeof(RaycastRangeParams), {volume.chunks()});
-    pair.cast = Kernel(device_, readerCode(device_, "raycast"), kRaycastBindings, sizeof(RaycastParams),
-                       {volume.chunks()});
-  }
-  return pair;
-}
+RaycastKernels::RaycastKernels(Device& device)
+    : range(device, readerCode(device, "raycast_range"), kRaycastRangeBindings, sizeof(RaycastRangeParams)),
+      cast(device, readerCode(device, "raycast"), kRaycastBindings, sizeof(RaycastParams)) {}
 
 RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera, Memory images,
                          std::shared_ptr<RaycastKernels> kernels)
@@ -31,24 +24,16 @@ RaycastPass::RaycastPass(Device& device, const CameraIntrinsics& camera, Memory 
 
 void RaycastPass::record(Recorder& recorder, const VolumeView& volume, const RaycastView& view) {
   const Recorder::Whole whole(recorder);
-  const RaycastKernels::Pair& kernels = kernels_->of(volume);
-  recordRange(recorder, kernels.range, volume, view);
+  recordRange(recorder, volume, view);
   const int flags = (view.colour && volume.options().colour ? kRaycastColoured : 0) |
                     (view.clear ? kRaycastClear : 0) | (view.depth_value ? kRaycastDepth : 0);
   const RaycastParams params{view.world_from_camera, camera_.focal_centre,
                              glm::ivec4(camera_.size.x, camera_.size.y, flags, tiles_x_),
                              view.depth_value.value_or(glm::vec4(0))};
-  const Buffer* buffers[kRaycastBindings] = {&volume.layoutBuffer(), &volume.table()};
-  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
-    buffers[kRaycastBindTsdf + chunk] = &volume.tsdf(chunk);
-    buffers[kRaycastBindWeight + chunk] = &volume.weight(chunk);
-    buffers[kRaycastBindColour + chunk] = &volume.colour(chunk);
-  }
-  buffers[kRaycastBindImages] = &images_;
-  buffers[kRaycastBindTiles] = &tiles_;
-  buffers[kRaycastBindSolid] = &solid_;
-  recorder.dispatchBytes(kernels.cast, buffers, &params, sizeof(params),
-                         {std::uint32_t(camera_.size.x), std::uint32_t(camera_.size.y)});
+  recorder.dispatch(kernels_->cast.of(volume.chunks()),
+                    {volume.layoutBuffer(), volume.table(), volume.tsdf(), volume.weight(), volume.colour(),
+                     images_, tiles_, solid_},
+                    params, Threads{std::uint32_t(camera_.size.x), std::uint32_t(camera_.size.y)});
 }
 
 BufferPart RaycastPass::part(std::uint32_t words_before) const {
@@ -61,8 +46,7 @@ std::span<const std::uint32_t> RaycastPass::preview() const {
   return images_.as<std::uint32_t>().subspan(kRaycastPreviewAt * pixels, pixels);
 }
 
-void RaycastPass::recordRange(Recorder& recorder, const Kernel& kernel, const VolumeView& volume,
-                              const RaycastView& view) {
+void RaycastPass::recordRange(Recorder& recorder, const VolumeView& volume, const RaycastView& view) {
   if (solid_.bytes() < volume.table().bytes())
     solid_ = Buffer(device_, volume.table().bytes(), Memory::Device);
   recorder.fill(tiles_, kEmptyTile, 0, tiles_.bytes());
@@ -71,12 +55,9 @@ void RaycastPass::recordRange(Recorder& recorder, const Kernel& kernel, const Vo
   const RaycastRangeParams params{glm::inverse(view.world_from_camera), camera_.focal_centre,
                                   glm::ivec4(tiles_x_, tiles_y_, static_cast<int>(volume.blockCount()), 0),
                                   std::max(view.near, 0.0f), std::max(view.far, 0.0f)};
-  const Buffer* buffers[kRaycastRangeBindings] = {&volume.layoutBuffer(), &volume.blockBuffer()};
-  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk)
-    buffers[kRaycastRangeBindTsdf + chunk] = &volume.tsdf(chunk);
-  buffers[kRaycastRangeBindTiles] = &tiles_;
-  buffers[kRaycastRangeBindSolid] = &solid_;
-  recorder.dispatchBytes(kernel, buffers, &params, sizeof(params), {volume.blockCount()});
+  recorder.dispatch(kernels_->range.of(volume.chunks()),
+                    {volume.layoutBuffer(), volume.blockBuffer(), volume.tsdf(), tiles_, solid_}, params,
+                    Threads{volume.blockCount()});
 }
 
 }  // namespace rosefusion

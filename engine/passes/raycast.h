@@ -1,10 +1,10 @@
 // Pass raycast: the surface that a camera sees, as normals, depths and a shaded picture.
 #pragma once
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
 
+#include "engine/kernel_variants.h"
 #include "engine/volume.h"
 #include "shaders/compute/interface/camera.h"
 #include "shaders/compute/interface/raycast.h"
@@ -24,19 +24,15 @@ struct RaycastView {
   std::optional<glm::vec4> depth_value;
 };
 
-/// The pipelines of the pass, for several of them to share. One thread at a time.
-class RaycastKernels {
- public:
-  explicit RaycastKernels(Device& device) : device_(device) {}
-  struct Pair {
-    Kernel range, cast;
-  };
-  /// Built when asked for the first time, and for each further pool chunk.
-  const Pair& of(const VolumeView& volume);
-
- private:
-  Device& device_;
-  std::map<std::uint32_t, Pair> pairs_;  ///< by number of pool chunks
+/// The pipelines of the pass, for several of them to share; by number of pool chunks. One thread at a time.
+struct RaycastKernels {
+  explicit RaycastKernels(Device& device);
+  /// Makes those for this volume now, not inside the first record().
+  void prepare(const VolumeView& volume) {
+    range.of(volume.chunks());
+    cast.of(volume.chunks());
+  }
+  KernelVariants range, cast;
 };
 
 /// One camera for life. Holds the last view's images.
@@ -59,8 +55,7 @@ class RaycastPass {
   std::span<const std::uint32_t> preview() const;
 
  private:
-  void recordRange(Recorder& recorder, const Kernel& kernel, const VolumeView& volume,
-                   const RaycastView& view);
+  void recordRange(Recorder& recorder, const VolumeView& volume, const RaycastView& view);
   BufferPart part(std::uint32_t words_before) const;
 
   Device& device_;

@@ -10,7 +10,9 @@ namespace rosefusion {
 
 using namespace shader;
 
-RefinePass::RefinePass(Device& device) : device_(device) {}
+RefinePass::RefinePass(Device& device)
+    : device_(device),
+      kernels_(device, readerCode(device, "refine"), kRefineBindings, sizeof(RefineParams)) {}
 
 void RefinePass::record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points,
                         std::span<const RefineCandidate> candidates, const CameraIntrinsics& last_camera,
@@ -26,10 +28,6 @@ void RefinePass::record(Recorder& recorder, const Volume& volume, const SelectPo
   const std::uint64_t bytes = sizeof(float) * kRefineSums * count_ * parts_;
   if (sums_.bytes() < bytes) sums_ = Buffer(device_, bytes, Memory::Readback);
 
-  Kernel& kernel = kernels_[volume.chunks()];
-  if (!kernel)
-    kernel = Kernel(device_, readerCode(device_, "refine"), kRefineBindings, sizeof(RefineParams),
-                    {volume.chunks()});
   // The eight voxels around a point are up to a cell's diagonal away from it.
   const float inside = std::max(last_camera.focal_centre.x, last_camera.focal_centre.y) *
                        std::numbers::sqrt3_v<float> * volume.options().voxel_size;
@@ -41,16 +39,10 @@ void RefinePass::record(Recorder& recorder, const Volume& volume, const SelectPo
                             weights.noise.bias_growth,
                             weights.model_noise,
                             weights.front_only};
-  const Buffer* buffers[kRefineBindings] = {&volume.layoutBuffer(), &volume.table()};
-  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk) {
-    buffers[kRefineBindTsdf + chunk] = &volume.tsdf(chunk);
-    buffers[kRefineBindWeight + chunk] = &volume.weight(chunk);
-  }
-  buffers[kRefineBindPoints] = &points.points();
-  buffers[kRefineBindCount] = &points.count();
-  buffers[kRefineBindCandidates] = &candidates_;
-  buffers[kRefineBindSums] = &sums_;
-  recorder.dispatchBytes(kernel, buffers, &params, sizeof(params), {parts_ * kRefineGroup, count_});
+  recorder.dispatch(kernels_.of(volume.chunks()),
+                    {volume.layoutBuffer(), volume.table(), volume.tsdf(), points.points(), points.count(),
+                     candidates_, sums_, volume.weight()},
+                    params, Threads{parts_ * kRefineGroup, count_});
 }
 
 std::vector<RefineSums> RefinePass::sums() const {

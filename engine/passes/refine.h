@@ -1,9 +1,9 @@
 // Pass refine: the normal equations that move a pose onto the model's surface, for several poses at once.
 #pragma once
 #include <array>
-#include <map>
 #include <span>
 
+#include "engine/kernel_variants.h"
 #include "engine/passes/select_points.h"
 #include "engine/sensor_noise.h"
 #include "engine/volume.h"
@@ -40,7 +40,7 @@ class RefinePass {
 
  private:
   Device& device_;
-  std::map<std::uint32_t, Kernel> kernels_;  ///< by number of pool chunks
+  KernelVariants kernels_;  ///< by number of pool chunks
   Buffer candidates_, sums_;
   std::uint32_t count_ = 0, parts_ = 0;
 };

@@ -10,11 +10,16 @@ namespace rosefusion {
 
 using namespace shader;
 
-void RefineColourPass::record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
+RefineColourPass::RefineColourPass(Device& device)
+    : device_(device),
+      kernels_(device, readerCode(device, "refine_colour"), kRefineColourBindings,
+               sizeof(RefineColourParams)) {}
+
+void RefineColourPass::record(Recorder& recorder, const Volume& volume, const DeviceFrame& frame,
                               const SelectPointsPass& points, const CameraIntrinsics& camera,
                               std::span<const RefineColourCandidate> candidates, float huber) {
   const Recorder::Whole whole(recorder);
-  if (!frame.hasColour() || !volume.options().colour)
+  if (!frame.has_colour || !volume.options().colour)
     throw DeviceError(DeviceErrorCode::Programming, "Colours are compared where frame and volume have none.");
   // Parts for all of a CPU's cores, or enough to fill a GPU with a few candidates.
   const std::uint32_t wanted = device_.info().type == DeviceType::Cpu ? 16 : 128;
@@ -26,20 +31,11 @@ void RefineColourPass::record(Recorder& recorder, const Volume& volume, const Pr
   const std::uint64_t bytes = sizeof(float) * kRefineColourSums * count_ * parts_;
   if (sums_.bytes() < bytes) sums_ = Buffer(device_, bytes, Memory::Readback);
 
-  Kernel& kernel = kernels_[volume.chunks()];
-  if (!kernel)
-    kernel = Kernel(device_, readerCode(device_, "refine_colour"), kRefineColourBindings,
-                    sizeof(RefineColourParams), {volume.chunks()});
   const RefineColourParams params{camera.focal_centre, camera.size, huber, parts_, 0, 0};
-  const Buffer* buffers[kRefineColourBindings] = {&volume.layoutBuffer(), &volume.table()};
-  for (std::uint32_t chunk = 0; chunk < kMaxPoolChunks; ++chunk)
-    buffers[kRefineColourBindColour + chunk] = &volume.colour(chunk);
-  buffers[kRefineColourBindPoints] = &points.points();
-  buffers[kRefineColourBindCount] = &points.count();
-  buffers[kRefineColourBindImage] = &frame.colour();
-  buffers[kRefineColourBindCandidates] = &candidates_;
-  buffers[kRefineColourBindSums] = &sums_;
-  recorder.dispatchBytes(kernel, buffers, &params, sizeof(params), {parts_ * kRefineColourGroup, count_});
+  recorder.dispatch(kernels_.of(volume.chunks()),
+                    {volume.layoutBuffer(), volume.table(), volume.colour(), points.points(), points.count(),
+                     frame.colour, candidates_, sums_},
+                    params, Threads{parts_ * kRefineColourGroup, count_});
 }
 
 std::vector<RefineColourSums> RefineColourPass::sums() const {

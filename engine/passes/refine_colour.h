@@ -1,9 +1,9 @@
 // Pass refine_colour: the normal equations that bring the frame's luminance and the model's together.
 #pragma once
 #include <array>
-#include <map>
 #include <span>
 
+#include "engine/kernel_variants.h"
 #include "engine/passes/select_points.h"
 #include "engine/volume.h"
 #include "shaders/compute/interface/refine_colour.h"
@@ -16,11 +16,11 @@ using RefineColourSums = std::array<double, shader::kRefineColourSums>;
 
 class RefineColourPass {
  public:
-  explicit RefineColourPass(Device& device) : device_(device) {}
+  explicit RefineColourPass(Device& device);
 
   /// At each candidate. `points` are pixels of `frame`, which must have a colour, as must the volume.
   /// Residuals beyond `huber` (of white) count linearly.
-  void record(Recorder& recorder, const Volume& volume, const PreprocessPass& frame,
+  void record(Recorder& recorder, const Volume& volume, const DeviceFrame& frame,
               const SelectPointsPass& points, const shader::CameraIntrinsics& camera,
               std::span<const shader::RefineColourCandidate> candidates, float huber);
   /// After the submit: one entry per pose, in their order.
@@ -28,7 +28,7 @@ class RefineColourPass {
 
  private:
   Device& device_;
-  std::map<std::uint32_t, Kernel> kernels_;  ///< by number of pool chunks
+  KernelVariants kernels_;  ///< by number of pool chunks
   Buffer candidates_, sums_;
   std::uint32_t count_ = 0, parts_ = 0;
 };

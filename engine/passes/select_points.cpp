@@ -6,14 +6,20 @@ namespace rosefusion {
 
 using namespace shader;
 
-SelectPointsPass::SelectPointsPass(Device& device, const CameraIntrinsics& camera)
+SelectPointsPass::SelectPointsPass(Device& device, const CameraIntrinsics& camera, std::uint32_t parts)
     : device_(device),
       camera_(camera),
-      kernel_(device, readerCode(device, "select_points"), 4, sizeof(SelectParams)),
+      // To fill a GPU; a CPU spends more on a second dispatch than it saves by its other cores.
+      parts_(parts                                   ? parts
+             : device.info().type == DeviceType::Cpu ? 1
+                                                     : 64),
+      count_parts_(device, readerCode(device, "select_count"), kSelectCountBindings, sizeof(SelectParams)),
+      kernel_(device, readerCode(device, "select_points"), kSelectBindings, sizeof(SelectParams)),
+      counts_(device, 8 * parts_, Memory::Device),
       count_(device, 8, Memory::Device),
       told_(device, 8, Memory::Readback) {}
 
-void SelectPointsPass::record(Recorder& recorder, const PreprocessPass& frame, const PixelGrid& grid,
+void SelectPointsPass::record(Recorder& recorder, const DeviceFrame& frame, const PixelGrid& grid,
                               const glm::mat4* previous_from_current) {
   const Recorder::Whole whole(recorder);
   if (grid.stride < 1 || grid.offset_x < 0 || grid.offset_y < 0 || grid.offset_x >= camera_.size.x ||
@@ -29,7 +35,8 @@ void SelectPointsPass::record(Recorder& recorder, const PreprocessPass& frame, c
   params.focal_centre = camera_.focal_centre;
   params.size = glm::ivec4(camera_.size.x, camera_.size.y, grid.stride, previous_from_current != nullptr);
   params.grid = glm::ivec4(grid.offset_x, grid.offset_y, columns, rows);
-  recorder.dispatch(kernel_, {&frame.points(), &selected_, &count_, &told_}, params, {kSelectGroup});
+  if (parts_ > 1) recorder.dispatch(count_parts_, {frame.points, counts_}, params, Groups{parts_});
+  recorder.dispatch(kernel_, {frame.points, counts_, selected_, count_, told_}, params, Groups{parts_});
 }
 
 }  // namespace rosefusion

@@ -1,6 +1,8 @@
-// Pass select_points: the overlap set on a subsampling grid.
+// Passes select_count and select_points: the overlap set on a subsampling grid.
 #pragma once
-#include "engine/passes/preprocess.h"
+#include "engine/device_frame.h"
+#include "engine/recorder.h"
+#include "shaders/compute/interface/camera.h"
 #include "shaders/compute/interface/select_points.h"
 
 namespace rosefusion {
@@ -15,11 +17,12 @@ struct PixelGrid {
 /// Holds the selected points on the device until the next record().
 class SelectPointsPass {
  public:
-  SelectPointsPass(Device& device, const shader::CameraIntrinsics& camera);
+  /// `parts`: of the grid that are looked at together, 0 chooses by the device. The points are the same.
+  SelectPointsPass(Device& device, const shader::CameraIntrinsics& camera, std::uint32_t parts = 0);
 
   /// `previous_from_current` null: every valid pixel counts, not only those in the overlap with the last
   /// frame. Throws DeviceError (Programming) for a grid without a pixel in the image.
-  void record(Recorder& recorder, const PreprocessPass& frame, const PixelGrid& grid,
+  void record(Recorder& recorder, const DeviceFrame& frame, const PixelGrid& grid,
               const glm::mat4* previous_from_current);
 
   const Buffer& points() const { return selected_; }  ///< vec4 camera-frame points
@@ -33,8 +36,9 @@ class SelectPointsPass {
  private:
   Device& device_;
   shader::CameraIntrinsics camera_;
-  Kernel kernel_;
-  Buffer selected_, count_, told_;
+  std::uint32_t parts_;
+  Kernel count_parts_, kernel_;
+  Buffer counts_, selected_, count_, told_;
   std::uint32_t cells_ = 0;
 };
 

@@ -16,7 +16,7 @@ SumCheck sumOnDevice(Device& device, std::span<const float> values) {
   for (std::size_t first = 0; first < values.size(); first += shader::kLongestLoop) {
     const std::size_t count = std::min<std::size_t>(shader::kLongestLoop, values.size() - first);
     const shader::SumCheckParams params{static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
-    recorder.dispatch(kernel, {&input, &sums}, params, {1});
+    recorder.dispatch(kernel, {input, sums}, params, Threads{1});
     recorder.submit();
   }
   return {sums.as<float>()[shader::kSumCompensated], sums.as<float>()[shader::kSumPlain]};

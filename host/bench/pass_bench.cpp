@@ -190,25 +190,28 @@ class Bench {
                   static_cast<float>(1 / sequence_.depth_units_per_metre), static_cast<float>(depth.min),
                   static_cast<float>(depth.max));
     recorder_.submit();
-    if (!frame.colour.empty()) frame_.setColour(packColour(frame.colour));
+    if (frame.colour.empty()) return;
+    std::ranges::copy(packColour(frame.colour), frame_.colourWords().begin());
+    frame_.recordColour(recorder_);
   }
 
   void allocateBlocks(std::size_t i) {
     do {
-      allocate_.record(recorder_, volume_, frame_, camera_, toShader(truth(i)));
+      allocate_.record(recorder_, volume_, frame_.frame(), camera_, toShader(truth(i)));
       recorder_.submit();
-    } while (allocate_.finish(volume_));
+    } while (allocate_.finish(recorder_, volume_));
+    recorder_.submit();
   }
 
   void integrateFrame(std::size_t i) {
-    integrate_.record(recorder_, volume_, frame_, camera_, toShader(truth(i).inverse()),
+    integrate_.record(recorder_, volume_, frame_.frame(), camera_, toShader(truth(i).inverse()),
                       static_cast<float>(options_.settings.depth.max + options_.settings.volume.truncation));
     recorder_.submit();
   }
 
   /// Also as the host sees them.
   std::vector<glm::vec4> selectPoints(SelectPointsPass& select, int stride) {
-    select.record(recorder_, frame_, {stride, stride / 2, stride / 2}, nullptr);
+    select.record(recorder_, frame_.frame(), {stride, stride / 2, stride / 2}, nullptr);
     recorder_.submit();
     const Buffer mapped(device_, sizeof(glm::vec4) * std::max(select.selected(), 1u), Memory::Readback);
     recorder_.copy(select.points(), mapped, mapped.bytes());

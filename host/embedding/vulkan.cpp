@@ -47,7 +47,7 @@ View::View(const Reconstructor& reconstructor, const Camera& camera, std::uint32
         auto impl = std::make_unique<Impl>(Impl{reconstructor.impl(), toIntrinsics(camera), {}});
         Device& device = impl->owner.device;
         const auto kernels = std::make_shared<RaycastKernels>(device);
-        kernels->of(impl->owner.view());
+        kernels->prepare(impl->owner.view());
         for (std::uint32_t i = 0; i < slots; ++i)
           impl->slots.push_back(
               {Recorder(device), RaycastPass(device, toShader(impl->camera), Memory::Device, kernels)});
@@ -134,7 +134,10 @@ void Fusion::recordSearch(VkCommandBuffer commands, const DeviceDepth& depth,
 bool Fusion::grow() {
   return guarded([&] {
     const std::lock_guard lock(impl_->owner.work);
-    return impl_->fuser.grow(impl_->owner.pipeline.volume());
+    Recorder own(impl_->owner.device);
+    const bool again = impl_->fuser.grow(own, impl_->owner.pipeline.volume());
+    own.submit();
+    return again;
   });
 }
 
@@ -163,9 +166,9 @@ VolumeBuffers volumeBuffers(const Reconstructor& reconstructor) {
   out.table = view->table().handle();
   out.blocks = view->blockBuffer().handle();
   for (std::uint32_t chunk = 0; chunk < shader::kMaxPoolChunks; ++chunk) {
-    out.tsdf[chunk] = view->tsdf(chunk).handle();
-    out.weight[chunk] = view->weight(chunk).handle();
-    out.colour[chunk] = view->colour(chunk).handle();
+    out.tsdf[chunk] = view->tsdf()[chunk].handle();
+    out.weight[chunk] = view->weight()[chunk].handle();
+    out.colour[chunk] = view->colour()[chunk].handle();
   }
   out.chunks = view->chunks();
   out.block_count = view->blockCount();

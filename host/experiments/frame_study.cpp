@@ -37,15 +37,15 @@ class KnownPoseFusion {
   }
   void fuse(const Pose& world_from_camera) {
     do {
-      allocate_.record(recorder_, volume_, frame_, camera_, toShader(world_from_camera));
+      allocate_.record(recorder_, volume_, frame_.frame(), camera_, toShader(world_from_camera));
       recorder_.submit();
-    } while (allocate_.finish(volume_));
-    integrate_.record(recorder_, volume_, frame_, camera_, toShader(world_from_camera.inverse()),
+    } while (allocate_.finish(recorder_, volume_));
+    integrate_.record(recorder_, volume_, frame_.frame(), camera_, toShader(world_from_camera.inverse()),
                       static_cast<float>(settings_.depth.max + settings_.volume.truncation),
                       toShader(settings_.depth));
     recorder_.submit();
   }
-  const PreprocessPass& frame() const { return frame_; }
+  const DeviceFrame& frame() const { return frame_.frame(); }
   const Volume& volume() const { return volume_; }
 
  private:

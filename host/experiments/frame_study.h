@@ -3,6 +3,7 @@
 #pragma once
 #include <functional>
 
+#include "engine/device_frame.h"
 #include "engine/passes/allocate.h"
 #include "engine/passes/integrate.h"
 #include "host/experiments/sequences.h"
@@ -13,7 +14,7 @@ namespace rosefusion {
 /// One frame on the device, and the model of those before it.
 struct StudiedFrame {
   std::size_t index = 0;
-  const PreprocessPass& frame;
+  const DeviceFrame& frame;
   const Volume& volume;
   Pose last, truth;  ///< world_from_camera of the frame before and of this one
 };

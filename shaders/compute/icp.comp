@@ -5,11 +5,16 @@
 // sees in the model: pairs by projection into that view, gated by distance and normals (the recipe of KinectFusion). One
 // workgroup per part of the pixels; all sums compensated.
 #include "shaders/compute/interface/icp.h"
-#include "shaders/compute/lib/compensated_sum.glsl"
 #include "shaders/compute/lib/direction.glsl"
 #include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/read.glsl"
-#include "shaders/compute/lib/upper_triangle.glsl"
+
+#define SUMS kIcpSums
+#define GROUP kIcpGroup
+#define UNKNOWNS 6u
+#define HESSIAN kIcpHessian
+#define GRADIENT kIcpGradient
+#include "shaders/compute/lib/normal_equations.glsl"
 
 layout(local_size_x = kIcpGroup) in;
 PUSHED_PARAMETERS(IcpParams)
@@ -17,8 +22,6 @@ READ_VECTORS(pointOf, kIcpBindPoints)
 READ_WORDS(modelSurface, kIcpBindSurface)
 UNIFORM_PARAMETERS(IcpModel, model, kIcpBindModel)
 layout(std430, binding = kIcpBindSums) writeonly restrict buffer Sums { float sums[]; };
-
-shared float s_sums[kIcpSums * kIcpGroup];
 
 vec4 pointAt(ivec2 at) {
   bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, model.size.xy));
@@ -38,8 +41,7 @@ vec3 normalOf(ivec2 at, vec3 p) {
 
 void main() {
   uint lane = gl_LocalInvocationID.x, part = gl_WorkGroupID.x;
-  CompensatedSum sum[kIcpSums];
-  [[unroll]] for (uint k = 0u; k < kIcpSums; ++k) sum[k] = CompensatedSum(0.0, 0.0);
+  DECLARE_SUMS
 
   uint cells = uint(model.grid.z * model.grid.w), each = (cells + params.parts - 1u) / params.parts;
   uint begin = each * part, end = min(begin + each, cells);
@@ -64,19 +66,10 @@ void main() {
     float residual = -dot(n, to_model);
     vec3 moment = cross(arm, n);
     float jacobian[6] = float[6](n.x, n.y, n.z, moment.x, moment.y, moment.z);
-    [[unroll]] for (uint row = 0u; row < 6u; ++row) {
-      [[unroll]] for (uint column = 0u; column < 6u; ++column)
-        if (column >= row) add(sum[kIcpHessian + upperEntry(row, column, 6u)], jacobian[row] * jacobian[column]);
-      add(sum[kIcpGradient + row], jacobian[row] * residual);
-    }
+    ADD_EQUATION(jacobian, 1.0, residual)
     add(sum[kIcpSquares], residual * residual);
     add(sum[kIcpPairs], 1.0);
   } while ((cell += kIcpGroup) < end);
 
-  [[unroll]] for (uint k = 0u; k < kIcpSums; ++k) s_sums[k * kIcpGroup + lane] = sum[k].sum - sum[k].lost;
-  barrier();
-  if (lane >= kIcpSums) return;
-  CompensatedSum all = CompensatedSum(0.0, 0.0);
-  for (uint i = 0u; i < kIcpGroup; ++i) add(all, s_sums[lane * kIcpGroup + i]);
-  sums[part * kIcpSums + lane] = all.sum - all.lost;
+  WRITE_SUMS(lane, part * kIcpSums)
 }

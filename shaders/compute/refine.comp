@@ -10,14 +10,19 @@
 #define VOLUME_TSDF kRefineBindTsdf
 #define VOLUME_TSDF_QUADS
 #define VOLUME_WEIGHT kRefineBindWeight
-#include "shaders/compute/lib/compensated_sum.glsl"
 #include "shaders/compute/lib/depth_noise.glsl"
 #include "shaders/compute/lib/in_image.glsl"
 #include "shaders/compute/lib/parameters.glsl"
-#include "shaders/compute/lib/upper_triangle.glsl"
 #include "shaders/compute/lib/volume.glsl"
 
 #include "shaders/compute/lib/interpolate.glsl"
+
+#define SUMS kRefineSums
+#define GROUP kRefineGroup
+#define UNKNOWNS 6u
+#define HESSIAN kRefineHessian
+#define GRADIENT kRefineGradient
+#include "shaders/compute/lib/normal_equations.glsl"
 
 layout(local_size_x = kRefineGroup) in;
 PUSHED_PARAMETERS(RefineParams)
@@ -34,8 +39,6 @@ layout(std430, binding = kRefineBindCandidates) readonly restrict buffer Candida
 RefineCandidate candidateAt(uint i) { return candidates[i]; }
 #endif
 layout(std430, binding = kRefineBindSums) writeonly restrict buffer Sums { float sums[]; };
-
-shared float s_sums[kRefineSums * kRefineGroup];
 
 const float kBackCosine = 0.2;   // grazing surfaces are noise on either side of 0
 const float kCloseDeviations = 2.0;
@@ -60,8 +63,7 @@ void main() {
   vec3 last = vec3(volume.table_size.xyz * kBlockSide) - 3.0;
   float truncation = volume.scale.z;
   float most = robust(truncation);  // cost of a point that finds no surface
-  CompensatedSum sum[kRefineSums];
-  [[unroll]] for (uint k = 0u; k < kRefineSums; ++k) sum[k] = CompensatedSum(0.0, 0.0);
+  DECLARE_SUMS
 
   uint total = count[0];
   uint begin = total * part / params.parts, end = total * (part + 1u) / params.parts;
@@ -97,18 +99,8 @@ void main() {
     vec3 moment = cross(arm, slope);
     float jacobian[6] = float[6](slope.x, slope.y, slope.z, moment.x, moment.y, moment.z);
     weight *= min(1.0, params.huber / max(abs(residual), 1e-9));
-    [[unroll]] for (uint row = 0u; row < 6u; ++row) {
-      float scaled = weight * jacobian[row];
-      [[unroll]] for (uint column = 0u; column < 6u; ++column)
-        if (column >= row) add(sum[kRefineHessian + upperEntry(row, column, 6u)], scaled * jacobian[column]);
-      add(sum[kRefineGradient + row], scaled * residual);
-    }
+    ADD_EQUATION(jacobian, weight, residual)
   } while ((i += kRefineGroup) < end);
 
-  [[unroll]] for (uint k = 0u; k < kRefineSums; ++k) s_sums[k * kRefineGroup + lane] = sum[k].sum - sum[k].lost;
-  barrier();
-  if (lane >= kRefineSums) return;
-  CompensatedSum all = CompensatedSum(0.0, 0.0);
-  for (uint i = 0u; i < kRefineGroup; ++i) add(all, s_sums[lane * kRefineGroup + i]);
-  sums[(number * params.parts + part) * kRefineSums + lane] = all.sum - all.lost;
+  WRITE_SUMS(lane, (number * params.parts + part) * kRefineSums)
 }

@@ -9,12 +9,17 @@
 #define VOLUME_TABLE kRefineColourBindTable
 #define VOLUME_COLOUR kRefineColourBindColour
 #define VOLUME_COLOUR_QUADS
-#include "shaders/compute/lib/compensated_sum.glsl"
 #include "shaders/compute/lib/parameters.glsl"
-#include "shaders/compute/lib/upper_triangle.glsl"
 #include "shaders/compute/lib/volume.glsl"
 
 #include "shaders/compute/lib/interpolate.glsl"
+
+#define SUMS kRefineColourSums
+#define GROUP kRefineColourGroup
+#define UNKNOWNS kRefineColourUnknowns
+#define HESSIAN kRefineColourHessian
+#define GRADIENT kRefineColourGradient
+#include "shaders/compute/lib/normal_equations.glsl"
 
 layout(local_size_x = kRefineColourGroup) in;
 PUSHED_PARAMETERS(RefineColourParams)
@@ -33,8 +38,6 @@ RefineColourCandidate candidateAt(uint i) { return candidates[i]; }
 #endif
 layout(std430, binding = kRefineColourBindSums) writeonly restrict buffer Sums { float sums[]; };
 
-shared float s_sums[kRefineColourSums * kRefineColourGroup];
-
 // The pixel that the point was made of.
 uint pixelOf(vec3 p) {
   ivec2 uv = ivec2(floor(params.focal_centre.xy * p.xy / p.z + params.focal_centre.zw + 0.5));
@@ -49,8 +52,7 @@ void main() {
   vec3 shift = candidate.world_from_camera[3].xyz * volume.scale.y - vec3(volume.table_origin.xyz * kBlockSide);
   vec3 last = vec3(volume.table_size.xyz * kBlockSide) - 3.0;
   float gain = candidate.gain.x;
-  CompensatedSum sum[kRefineColourSums];
-  [[unroll]] for (uint k = 0u; k < kRefineColourSums; ++k) sum[k] = CompensatedSum(0.0, 0.0);
+  DECLARE_SUMS
 
   uint total = count[0];
   uint begin = total * part / params.parts, end = total * (part + 1u) / params.parts;
@@ -68,20 +70,10 @@ void main() {
     float jacobian[kRefineColourUnknowns] = float[kRefineColourUnknowns](slope.x, slope.y, slope.z, moment.x, moment.y, moment.z,
                                                                          model.value);
     float weight = min(1.0, params.huber / max(size, 1e-9));
-    [[unroll]] for (uint row = 0u; row < kRefineColourUnknowns; ++row) {
-      float scaled = weight * jacobian[row];
-      [[unroll]] for (uint column = 0u; column < kRefineColourUnknowns; ++column)
-        if (column >= row) add(sum[kRefineColourHessian + upperEntry(row, column, kRefineColourUnknowns)], scaled * jacobian[column]);
-      add(sum[kRefineColourGradient + row], scaled * residual);
-    }
+    ADD_EQUATION(jacobian, weight, residual)
     add(sum[kRefineColourCost], size <= params.huber ? 0.5 * size * size : params.huber * (size - 0.5 * params.huber));
     add(sum[kRefineColourPoints], 1.0);
   } while ((i += kRefineColourGroup) < end);
 
-  [[unroll]] for (uint k = 0u; k < kRefineColourSums; ++k) s_sums[k * kRefineColourGroup + lane] = sum[k].sum - sum[k].lost;
-  barrier();
-  if (lane >= kRefineColourSums) return;
-  CompensatedSum all = CompensatedSum(0.0, 0.0);
-  for (uint i = 0u; i < kRefineColourGroup; ++i) add(all, s_sums[lane * kRefineColourGroup + i]);
-  sums[(number * params.parts + part) * kRefineColourSums + lane] = all.sum - all.lost;
+  WRITE_SUMS(lane, (number * params.parts + part) * kRefineColourSums)
 }

@@ -106,19 +106,24 @@ struct SceneRun {
     const reference::Image& image = sequence.images[frame];
     preprocess.record(recorder, image.depth, sensor.metres_per_unit, sensor.min_depth, sensor.max_depth,
                       static_cast<float>(sensor.edge_sigmas), onDevice(sensor.noise));
-    if (volume.options().colour) preprocess.setColour(image.rgb);
+    if (volume.options().colour) {
+      std::ranges::copy(image.rgb, preprocess.colourWords().begin());
+      preprocess.recordColour(recorder);
+    }
     recorder.submit();
   }
   /// Of the loaded frame.
   void allocateBlocks(const Pose& world_from_camera) {
     do {
-      allocate.record(recorder, volume, preprocess, onDevice(sequence.camera), onDevice(world_from_camera));
+      allocate.record(recorder, volume, preprocess.frame(), onDevice(sequence.camera),
+                      onDevice(world_from_camera));
       recorder.submit();
-    } while (allocate.finish(volume));
+    } while (allocate.finish(recorder, volume));
+    recorder.submit();
   }
   void integrateDepth(const Pose& world_from_camera) {
     const double far = sequence.sensor.max_depth + volume.options().truncation;
-    integrate.record(recorder, volume, preprocess, onDevice(sequence.camera),
+    integrate.record(recorder, volume, preprocess.frame(), onDevice(sequence.camera),
                      onDevice(world_from_camera.inverse()), far, onDevice(sequence.sensor.noise));
     recorder.submit();
   }

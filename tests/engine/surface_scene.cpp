@@ -97,14 +97,17 @@ void SurfaceScene::fuse(const Eigen::Isometry3d& world_from_camera, const Distan
       const Eigen::Vector3d point = world_from_camera.translation() + d * direction;
       rgb.push_back(point.norm() < 1.1 * kSphereRadius ? kSphereColour : kBoxColour);
     }
-  if (colour_) preprocess_.setColour(rgb);
+  if (colour_) {
+    std::ranges::copy(rgb, preprocess_.colourWords().begin());
+    preprocess_.recordColour(recorder);
+  }
   const glm::mat4 pose = toGlm(world_from_camera);
   do {
     preprocess_.record(recorder, depth, float(1 / kUnitsPerMetre), kMinDepth, kMaxDepth);
-    allocate_.record(recorder, volume, preprocess_, camera, pose);
+    allocate_.record(recorder, volume, preprocess_.frame(), camera, pose);
     recorder.submit();
-  } while (allocate_.finish(volume));
-  integrate_.record(recorder, volume, preprocess_, camera, glm::inverse(pose), kMaxDepth);
+  } while (allocate_.finish(recorder, volume));
+  integrate_.record(recorder, volume, preprocess_.frame(), camera, glm::inverse(pose), kMaxDepth);
   recorder.submit();
 }
 

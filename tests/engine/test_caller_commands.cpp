@@ -89,13 +89,13 @@ TEST_F(CallerCommands, WhatWasRecordedSurvivesTheVolumesGrowth) {
   before.record(fine.recorder, fine.volume, view());
   fine.recorder.submit();
   Recorder recorder(device);
-  const void* pool = fine.volume.tsdf(0).handle();
+  const void* pool = fine.volume.tsdf()[0].handle();
   const VkCommandBuffer commands = caller.beginFrame();
   recorder.recordInto(commands);
   recorded.record(recorder, fine.volume.view(), view());
-  for (std::size_t pose = poses.size() - 1; pose > 0 && fine.volume.tsdf(0).handle() == pool; --pose)
+  for (std::size_t pose = poses.size() - 1; pose > 0 && fine.volume.tsdf()[0].handle() == pool; --pose)
     fine.fuse(poses[pose]);
-  EXPECT_NE(fine.volume.tsdf(0).handle(), pool) << "the volume must grow, or this shows nothing";
+  EXPECT_NE(fine.volume.tsdf()[0].handle(), pool) << "the volume must grow, or this shows nothing";
   caller.endFrame(commands);
   const auto expected = download<float>(device, before.depth()),
              found = download<float>(device, recorded.depth());

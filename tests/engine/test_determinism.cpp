@@ -17,7 +17,7 @@ std::string resultsOf(Device& device, const Sequence& sequence) {
   for (int i = 0; i < 2 * 500; ++i) templates.emplace_back(std::sin(i), std::sin(3 * i), std::sin(5 * i), 0);
   SelectPointsPass points(device, onDevice(sequence.camera));
   const glm::mat4 motion = onDevice(sequence.poses[0].inverse() * sequence.poses.back());
-  points.record(run.recorder, run.preprocess, {2, 1, 0}, &motion);
+  points.record(run.recorder, run.preprocess.frame(), {2, 1, 0}, &motion);
   FitnessPass fitness(device, templates, Loss::Absolute);
   fitness.record(run.recorder, run.volume, points,
                  {onDevice(sequence.poses.back()), glm::vec4(0.1f), glm::vec4(0.1f), 0, 500});

@@ -38,7 +38,7 @@ class Fitness : public ValidatingDevice {
     contents_ = run_->volume.download();
     reference_contents_ = inReferenceTypes(contents_);
     points_.emplace(device(), onDevice(kOddCamera));
-    points_->record(run_->recorder, run_->preprocess, kGrid, nullptr);
+    points_->record(run_->recorder, run_->preprocess.frame(), kGrid, nullptr);
     run_->recorder.submit();
     const auto selection = selectPoints(run_->referenceImage(2), kOddCamera, kGrid.stride, kGrid.offset_x,
                                         kGrid.offset_y, nullptr);
@@ -335,7 +335,7 @@ TEST_F(Fitness, AnEmptyVolumeReadsAsOne) {
 TEST_F(Fitness, WithoutPointsThereIsNoLoss) {
   const std::vector<std::uint16_t> nothing(run_->sequence.images[0].depth.size(), 0);
   run_->preprocess.record(run_->recorder, nothing, 0.001f, 0.1f, 5.0f);
-  points_->record(run_->recorder, run_->preprocess, kGrid, nullptr);
+  points_->record(run_->recorder, run_->preprocess.frame(), kGrid, nullptr);
   run_->recorder.submit();
   for (const std::uint32_t slices : {1u, 5u})
     for (const float loss : losses(swarm_, slices)) ASSERT_LT(loss, 0);

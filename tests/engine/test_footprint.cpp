@@ -40,8 +40,8 @@ class Footprint : public ValidatingDevice, public ::testing::WithParamInterface<
                 float(sensor_.max_depth), float(sensor_.edge_sigmas), onDevice(options_.noise),
                 float(options_.voxel_size));
     recorder.submit();
-    depth_ = readBack<float>(device(), pass.depth(), raw.size());
-    points_ = readBack<float>(device(), pass.points(), 4 * raw.size());
+    depth_ = readBack<float>(device(), pass.frame().depth, raw.size());
+    points_ = readBack<float>(device(), pass.frame().points, 4 * raw.size());
   }
   /// A wall from 0.4 to 4 m whose noise differs from part to part, with a step, holes of one pixel in a grid
   /// and larger ones.

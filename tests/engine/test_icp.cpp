@@ -39,7 +39,7 @@ class IcpTest : public ValidatingDevice, public ::testing::WithParamInterface<In
     model_.offset = kPairing.stride / 2;
     model_.distance = kPairing.distance;
     model_.cosine = kPairing.cosine;
-    points_ = inDoubles(run_->preprocess.points(), pixels);
+    points_ = inDoubles(run_->preprocess.frame().points, pixels);
     pose_ = asFloats(run_->sequence.poses[2]);
   }
 
@@ -56,8 +56,8 @@ class IcpTest : public ValidatingDevice, public ::testing::WithParamInterface<In
   }
   std::vector<double> sums() {
     IcpPass pass(device(), onDevice(GetParam()));
-    pass.record(run_->recorder, run_->preprocess, *raycast_, onDevice(model_.world_from_camera.inverse()),
-                kPairing, onDevice(pose_));
+    pass.record(run_->recorder, run_->preprocess.frame(), *raycast_,
+                onDevice(model_.world_from_camera.inverse()), kPairing, onDevice(pose_));
     run_->recorder.submit();
     const IcpSums sums = pass.sums();
     return {sums.begin(), sums.end()};

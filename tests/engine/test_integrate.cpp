@@ -236,7 +236,7 @@ TEST_F(IntegrateRules, BlocksBeyondFarAreLeftAlone) {
   run.load(0);
   run.allocateBlocks(run.sequence.poses[0]);
   constexpr float kFar = 2.3f;
-  run.integrate.record(run.recorder, run.volume, run.preprocess, onDevice(kPlainCamera),
+  run.integrate.record(run.recorder, run.volume, run.preprocess.frame(), onDevice(kPlainCamera),
                        onDevice(run.sequence.poses[0].inverse()), kFar);
   run.recorder.submit();
   const VolumeContents contents = run.volume.download();

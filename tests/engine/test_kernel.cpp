@@ -62,7 +62,7 @@ class Recording : public ValidatingDevice {
   }
   float sumOf(std::uint32_t count) {
     recorder_->fill(sums_, 0, 0, 64);
-    recorder_->dispatch(kernel_, {&input_, &sums_}, SumCheckParams{0, count}, {1});
+    recorder_->dispatch(kernel_, {input_, sums_}, SumCheckParams{0, count}, Threads{1});
     recorder_->submit();
     return sums_.as<float>()[0];
   }
@@ -77,13 +77,14 @@ TEST_F(Recording, WrongBuffersAndConstantsAreRefused) {
   const auto refused = [&](auto action) {
     return throwsDeviceError(action, DeviceErrorCode::Programming, {"sum_check"});
   };
-  EXPECT_TRUE(refused([&] { recorder_->dispatch(kernel_, {&input_}, SumCheckParams{0, 1}, {1}); }));
+  EXPECT_TRUE(refused([&] { recorder_->dispatch(kernel_, {input_}, SumCheckParams{0, 1}, Threads{1}); }));
   EXPECT_TRUE(refused([&] {
-    recorder_->dispatch(kernel_, {&input_, &sums_, &sums_}, SumCheckParams{0, 1}, {1});
+    recorder_->dispatch(kernel_, {input_, sums_, sums_}, SumCheckParams{0, 1}, Threads{1});
   }));
-  EXPECT_TRUE(refused([&] { recorder_->dispatch(kernel_, {&input_, &sums_}, FitnessParams{}, {1}); }));
-  EXPECT_TRUE(refused([&] { recorder_->dispatch(kernel_, {&input_, &empty}, SumCheckParams{0, 1}, {1}); }));
-  EXPECT_TRUE(refused([&] { recorder_->dispatch(kernel_, {&input_, nullptr}, SumCheckParams{0, 1}, {1}); }));
+  EXPECT_TRUE(refused([&] { recorder_->dispatch(kernel_, {input_, sums_}, FitnessParams{}, Threads{1}); }));
+  EXPECT_TRUE(refused([&] {
+    recorder_->dispatch(kernel_, {input_, empty}, SumCheckParams{0, 1}, Threads{1});
+  }));
   EXPECT_EQ(sumOf(4), 2.0f) << "the recorder is no longer usable";
 }
 
@@ -98,8 +99,8 @@ TEST_F(Recording, ABufferTooLargeForTexelsIsRefused) {
   const RefineParams params{};
   const auto dispatch = [&](std::uint64_t bytes) {
     const Buffer buffer(small, bytes, Memory::Device);
-    const std::vector<const Buffer*> buffers(kRefineBindings, &buffer);
-    recorder.dispatchBytes(reader, buffers, &params, sizeof(params), {1});
+    const std::vector<BoundBuffers> buffers(kRefineBindings, buffer);
+    recorder.dispatchBytes(reader, buffers, &params, sizeof(params), Threads{1});
   };
   // Of a buffer of 16 words all are texels.
   EXPECT_TRUE(throwsDeviceError([&] { dispatch(68); }, DeviceErrorCode::Programming, {"refine", "texels"}));
@@ -115,7 +116,7 @@ TEST_F(Recording, MoreWorkgroupsThanTheDeviceRunsAreRefused) {
   const Buffer input(small, 64, Memory::Upload), sums(small, 64, Memory::Readback);
   Recorder recorder(small);
   const auto dispatch = [&](std::uint32_t groups) {
-    recorder.dispatch(kernel, {&input, &sums}, SumCheckParams{0, 1}, {groups});
+    recorder.dispatch(kernel, {input, sums}, SumCheckParams{0, 1}, Threads{groups});
   };
   EXPECT_TRUE(
       throwsDeviceError([&] { dispatch(5); }, DeviceErrorCode::MissingLimit, {"sum_check", "5", "4"}));
@@ -144,17 +145,17 @@ TEST_F(Recording, CopiesAndFillsStayInsideTheirBuffers) {
 TEST_F(Recording, CommandsSeeWhatTheOnesBeforeWrote) {
   const Buffer between(device(), 64, Memory::Device);
   recorder_->fill(between, 0x40000000u, 0, 64);  // 2.0f
-  recorder_->dispatch(kernel_, {&between, &sums_}, SumCheckParams{0, 16}, {1});
+  recorder_->dispatch(kernel_, {between, sums_}, SumCheckParams{0, 16}, Threads{1});
   recorder_->copy(sums_, between, 4);
   recorder_->fill(sums_, 0, 0, 64);
-  recorder_->dispatch(kernel_, {&between, &sums_}, SumCheckParams{0, 2}, {1});
+  recorder_->dispatch(kernel_, {between, sums_}, SumCheckParams{0, 2}, Threads{1});
   EXPECT_NE(sums_.as<float>()[0], 34.0f) << "ran before the submit";
   recorder_->submit();
   EXPECT_EQ(sums_.as<float>()[0], 34.0f);
 }
 
 TEST_F(Recording, TooManyDispatchesAreRefusedUntilTheSubmit) {
-  const auto one = [&] { recorder_->dispatch(kernel_, {&input_, &sums_}, SumCheckParams{0, 1}, {1}); };
+  const auto one = [&] { recorder_->dispatch(kernel_, {input_, sums_}, SumCheckParams{0, 1}, Threads{1}); };
   for (int i = 0; i < 256; ++i) one();
   EXPECT_TRUE(throwsDeviceError(one, DeviceErrorCode::Programming, {"256 dispatches"}));
   recorder_->submit();

@@ -88,7 +88,7 @@ class Refine : public ValidatingDevice, public ::testing::WithParamInterface<Int
   }
   void select(SceneRun& run) {
     points_.emplace(device(), onDevice(GetParam()));
-    points_->record(run.recorder, run.preprocess, kGrid, nullptr);
+    points_->record(run.recorder, run.preprocess.frame(), kGrid, nullptr);
     run.recorder.submit();
   }
   std::vector<RefineSums> sums(SceneRun& run, const std::vector<Pose>& poses) {

@@ -27,7 +27,7 @@ class RefineColour : public ValidatingDevice, public ::testing::WithParamInterfa
     contents_ = run_->volume.download();
     reference_contents_ = inReferenceTypes(contents_);
     points_.emplace(device(), onDevice(GetParam()));
-    points_->record(run_->recorder, run_->preprocess, kGrid, nullptr);
+    points_->record(run_->recorder, run_->preprocess.frame(), kGrid, nullptr);
     run_->recorder.submit();
     const auto selection = selectPoints(run_->referenceImage(kFrames - 1), GetParam(), kGrid.stride,
                                         kGrid.offset_x, kGrid.offset_y, nullptr);
@@ -48,8 +48,8 @@ class RefineColour : public ValidatingDevice, public ::testing::WithParamInterfa
     for (const Pose& pose : poses_)
       candidates.push_back({onDevice(pose), glm::vec4(static_cast<float>(gain), 0, 0, 0)});
     RefineColourPass pass(device());
-    pass.record(run.recorder, run.volume, run_->preprocess, *points_, onDevice(GetParam()), candidates,
-                kHuber);
+    pass.record(run.recorder, run.volume, run_->preprocess.frame(), *points_, onDevice(GetParam()),
+                candidates, kHuber);
     run.recorder.submit();
     return pass.sums();
   }

@@ -52,7 +52,7 @@ class SumsInFitness : public ValidatingDevice {
                  VolumeOptions{.voxel_size = 0.1f, .truncation = 0.1f});
     run_->fuseAll();
     points_.emplace(device(), onDevice(kLens));
-    points_->record(run_->recorder, run_->preprocess, {1, 0, 0}, nullptr);
+    points_->record(run_->recorder, run_->preprocess.frame(), {1, 0, 0}, nullptr);
     run_->recorder.submit();
     const auto contents = run_->volume.download();
     const auto values = inReferenceTypes(contents);

@@ -55,7 +55,7 @@ class Volumes : public ValidatingDevice {
     }
     SelectPointsPass points(device(), onDevice(run.sequence.camera));
     FitnessPass fitness(device(), templates, Loss::Squared, true, 2);
-    points.record(run.recorder, run.preprocess, {4, 1, 1}, nullptr);
+    points.record(run.recorder, run.preprocess.frame(), {4, 1, 1}, nullptr);
     fitness.record(run.recorder, run.volume, points,
                    {onDevice(run.sequence.poses.back()), glm::vec4(0.05f), glm::vec4(0.05f), 0, 64});
     run.recorder.submit();
@@ -226,12 +226,16 @@ TEST_F(Volumes, TheLastRoomIsUsedBeforeALimitIsReached) {
                         i % 20 + 2);
     return entries;
   };
-  volume.addBlocks(rows(0, 4090));
-  volume.addBlocks(rows(4090, 4600));
+  Recorder recorder(device());
+  const auto add = [&](std::vector<std::uint32_t> entries) {
+    volume.addBlocks(recorder, std::move(entries));
+    recorder.submit();
+  };
+  add(rows(0, 4090));
+  add(rows(4090, 4600));
   EXPECT_EQ(volume.blockCount(), 4600u);
   EXPECT_LE(volume.memoryBytes(), options.memory_limit_bytes);
-  EXPECT_TRUE(throwsDeviceError([&] { volume.addBlocks(rows(4600, 5600)); }, DeviceErrorCode::OutOfMemory,
-                                {"limit"}));
+  EXPECT_TRUE(throwsDeviceError([&] { add(rows(4600, 5600)); }, DeviceErrorCode::OutOfMemory, {"limit"}));
   EXPECT_EQ(volume.blockCount(), 4600u);
   expectTableMatches(device(), volume);
 }

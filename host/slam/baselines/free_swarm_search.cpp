@@ -33,7 +33,7 @@ FreeSwarmSearch::FreeSwarmSearch(Device& device, const Settings& settings, const
       evaluator_(device, settings, intrinsics, onDevice(std::vector<Vector6>(1, Vector6::Zero()))),
       random_(settings.tracking.seed) {}
 
-SwarmResult FreeSwarmSearch::search(const PreprocessPass& frame, const Volume& volume, const Pose& start,
+SwarmResult FreeSwarmSearch::search(const DeviceFrame& frame, const Volume& volume, const Pose& start,
                                     const Pose& last, const SearchObserver& observer) {
   const SwarmSettings& s = settings_.swarm;
   const SwarmState* previous = previous_ ? &*previous_ : nullptr;

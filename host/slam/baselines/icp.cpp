@@ -28,7 +28,7 @@ Icp::Icp(Device& device, const Settings& settings, const Intrinsics& intrinsics)
       raycast_(device, toShader(intrinsics), Memory::Device),
       icp_(device, toShader(intrinsics)) {}
 
-IcpResult Icp::align(const PreprocessPass& frame, const Volume& volume, const Pose& last) {
+IcpResult Icp::align(const DeviceFrame& frame, const Volume& volume, const Pose& last) {
   RaycastView view;
   view.world_from_camera = toShader(last);
   view.far = far_;

@@ -19,7 +19,7 @@ class Icp {
   Icp(Device& device, const Settings& settings, const Intrinsics& intrinsics);
 
   /// Starts at `last`, from where the model is cast. Ends early where the pairs leave a direction open.
-  IcpResult align(const PreprocessPass& frame, const Volume& volume, const Pose& last);
+  IcpResult align(const DeviceFrame& frame, const Volume& volume, const Pose& last);
 
  private:
   const IcpSettings settings_;

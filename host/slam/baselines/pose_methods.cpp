@@ -14,7 +14,7 @@ TrackResult asTrackResult(const SwarmResult& found) {
 class PstMethod : public PoseMethod {
  public:
   explicit PstMethod(SwarmSearch& search) : search_(search) {}
-  TrackResult track(const PreprocessPass& frame, const Volume& volume, const TrackHistory& history, double,
+  TrackResult track(const DeviceFrame& frame, const Volume& volume, const TrackHistory& history, double,
                     const SearchObserver& observer) override {
     return asTrackResult(search_.search(frame, volume, history.last, history.last, observer));
   }
@@ -28,7 +28,7 @@ class FreeSwarmMethod : public PoseMethod {
   FreeSwarmMethod(Device& device, const Settings& settings, const Intrinsics& intrinsics,
                   const TemplateSet& templates)
       : search_(device, settings, intrinsics, templates) {}
-  TrackResult track(const PreprocessPass& frame, const Volume& volume, const TrackHistory& history, double,
+  TrackResult track(const DeviceFrame& frame, const Volume& volume, const TrackHistory& history, double,
                     const SearchObserver& observer) override {
     return asTrackResult(search_.search(frame, volume, history.last, history.last, observer));
   }
@@ -41,7 +41,7 @@ class GaussNewtonMethod : public PoseMethod {
  public:
   GaussNewtonMethod(PoseRefiner& refiner, const RefineSettings& settings)
       : refiner_(refiner), settings_(settings) {}
-  TrackResult track(const PreprocessPass& frame, const Volume& volume, const TrackHistory& history, double,
+  TrackResult track(const DeviceFrame& frame, const Volume& volume, const TrackHistory& history, double,
                     const SearchObserver&) override {
     TrackResult result;
     const Pose& last = history.last;
@@ -66,7 +66,7 @@ class IcpMethod : public PoseMethod {
  public:
   IcpMethod(Device& device, const Settings& settings, const Intrinsics& intrinsics)
       : icp_(device, settings, intrinsics) {}
-  TrackResult track(const PreprocessPass& frame, const Volume& volume, const TrackHistory& history, double,
+  TrackResult track(const DeviceFrame& frame, const Volume& volume, const TrackHistory& history, double,
                     const SearchObserver&) override {
     const IcpResult found = icp_.align(frame, volume, history.last);
     return {found.world_from_camera, found.iterations, found.points_read, {}, {}, {}};

@@ -23,7 +23,7 @@ void LocalOdometry::begin(std::size_t first, std::span<const Pose> keyframes) {
   next_ = first + keyframes.size();
 }
 
-void LocalOdometry::step(const PreprocessPass& frame, const Pose& last_from_camera) {
+void LocalOdometry::step(const DeviceFrame& frame, const Pose& last_from_camera) {
   const Pose expected = poses_.back() * last_from_camera;
   refiner_.selectPixels(frame, settings_.pixel_stride, poses_.back());
   const PoseFit fit =

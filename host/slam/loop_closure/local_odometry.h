@@ -21,7 +21,7 @@ class LocalOdometry {
   /// From the last of these keyframes on, of which `first` is the first one's number.
   void begin(std::size_t first, std::span<const Pose> keyframes);
   /// The next keyframe, held by `frame`, and its motion since the one before as it was tracked.
-  void step(const PreprocessPass& frame, const Pose& last_from_camera);
+  void step(const DeviceFrame& frame, const Pose& last_from_camera);
   void end() { poses_.clear(); }
   /// Of the keyframes since begin(), the one that it began with included; empty after end().
   const std::vector<Pose>& poses() const { return poses_; }

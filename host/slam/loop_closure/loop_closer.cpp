@@ -76,7 +76,7 @@ class KeyframeLoopCloser : public LoopCloser {
                           if (images_.has(i)) fuse(i, volume, pose);
                         }) {}
 
-  std::optional<LoopClosure> add(const Frame& frame, const cv::Mat& metres, const PreprocessPass& on_device,
+  std::optional<LoopClosure> add(const Frame& frame, const cv::Mat& metres, const DeviceFrame& on_device,
                                  const Pose& pose, bool fused, bool well_constrained) override {
     if (!graph_.add(pose, fused, well_constrained)) return {};
     images_.add(frame, graph_.travelled());
@@ -206,7 +206,7 @@ class KeyframeLoopCloser : public LoopCloser {
 
   /// Measures the newest keyframe's pose anew while there are old surfaces in view that it was not yet
   /// compared with.
-  void trackLocally(const PreprocessPass& frame) {
+  void trackLocally(const DeviceFrame& frame) {
     const std::size_t newest = graph_.size() - 1;
     const Pose& pose = graph_.pose(newest);
     const bool revisiting = graph_.overlapsOld(kSmallOverlap, [&](std::size_t i) {
@@ -232,7 +232,7 @@ class KeyframeLoopCloser : public LoopCloser {
   }
 
   /// Pose of the frame in the map, from the old keyframe's surroundings alone; none where it does not fit.
-  std::optional<Finding> measure(std::size_t old, const PreprocessPass& frame, const Pose& estimate) {
+  std::optional<Finding> measure(std::size_t old, const DeviceFrame& frame, const Pose& estimate) {
     if (modelled_ != old) {
       small_.clear();
       for (const std::size_t i : graph_.neighbours(old, [this](std::size_t k) { return images_.has(k); }))

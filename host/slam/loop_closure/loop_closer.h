@@ -42,7 +42,7 @@ class LoopCloser {
   /// `well_constrained`: the depth held it in every direction. Where that closes a loop, all earlier poses
   /// have changed: the caller rebuilds its volume.
   virtual std::optional<LoopClosure> add(const Frame& frame, const cv::Mat& metres,
-                                         const PreprocessPass& on_device, const Pose& world_from_camera,
+                                         const DeviceFrame& on_device, const Pose& world_from_camera,
                                          bool fused, bool well_constrained) = 0;
   /// The camera was lost.
   virtual void onTrackingLost() = 0;

@@ -33,17 +33,6 @@ void FrameIntegrator::recordDepth(Recorder& recorder, const Depth& depth) {
                      settings_.depth.footprint ? static_cast<float>(settings_.volume.voxel_size) : 0);
 }
 
-std::span<const std::uint32_t> FrameIntegrator::wordsOf(const cv::Mat& bgr) {
-  words_.resize(bgr.total());
-  std::uint32_t* word = words_.data();
-  for (int row = 0; row < bgr.rows; ++row) {
-    const std::uint8_t* p = bgr.ptr(row);
-    for (int column = 0; column < bgr.cols; ++column, p += 3)
-      *word++ = std::uint32_t(p[2]) | std::uint32_t(p[1]) << 8 | std::uint32_t(p[0]) << 16;
-  }
-  return words_;
-}
-
 void FrameIntegrator::recordFrame(Recorder& recorder, const DevicePixels& depth) {
   recordDepth(recorder, depth);
   preprocess_.clearColour();
@@ -55,19 +44,24 @@ void FrameIntegrator::recordFrame(Recorder& recorder, const Frame& frame) {
     throw InputError("A depth frame must be a 16-bit image of " + std::to_string(intrinsics_.width) + " x " +
                      std::to_string(intrinsics_.height) + " pixels, as the camera was described.");
   recordDepth(recorder, std::span<const std::uint16_t>(depth.ptr<std::uint16_t>(), depth.total()));
-  if (settings_.volume.colour && frame.colour.size() == depth.size() && frame.colour.type() == CV_8UC3)
-    preprocess_.setColour(wordsOf(frame.colour));
-  else
-    preprocess_.clearColour();
+  if (!settings_.volume.colour || frame.colour.size() != depth.size() || frame.colour.type() != CV_8UC3)
+    return preprocess_.clearColour();
+  std::uint32_t* word = preprocess_.colourWords().data();
+  for (int row = 0; row < depth.rows; ++row) {
+    const std::uint8_t* p = frame.colour.ptr(row);
+    for (int column = 0; column < depth.cols; ++column, p += 3)
+      *word++ = std::uint32_t(p[2]) | std::uint32_t(p[1]) << 8 | std::uint32_t(p[0]) << 16;
+  }
+  preprocess_.recordColour(recorder);
 }
 
 void FrameIntegrator::recordSearch(Recorder& recorder, const Volume& volume, const Pose& world_from_camera) {
-  allocate_.record(recorder, volume, preprocess_, toShader(intrinsics_), toShader(world_from_camera));
+  allocate_.record(recorder, volume, preprocess_.frame(), toShader(intrinsics_), toShader(world_from_camera));
 }
 
 void FrameIntegrator::recordFusion(Recorder& recorder, const Volume& volume, const Pose& world_from_camera) {
   integrate_.record(
-      recorder, volume, preprocess_, toShader(intrinsics_), toShader(world_from_camera.inverse()),
+      recorder, volume, preprocess_.frame(), toShader(intrinsics_), toShader(world_from_camera.inverse()),
       static_cast<float>(settings_.depth.max + settings_.volume.truncation), toShader(settings_.depth));
 }
 
@@ -75,9 +69,14 @@ void FrameIntegrator::fuse(Recorder& recorder, Volume& volume, const Pose& world
   do {
     recordSearch(recorder, volume, world_from_camera);
     recorder.submit();
-  } while (grow(volume));
-  recordFusion(recorder, volume, world_from_camera);
-  recorder.submit();
+  } while (grow(recorder, volume));
+  try {
+    recordFusion(recorder, volume, world_from_camera);
+    recorder.start();
+  } catch (...) {
+    volume.restore();  // what grow() recorded is gone
+    throw;
+  }
 }
 
 }  // namespace rosefusion

@@ -3,6 +3,7 @@
 #pragma once
 #include "engine/passes/allocate.h"
 #include "engine/passes/integrate.h"
+#include "engine/passes/preprocess.h"
 #include "host/core/camera.h"
 #include "host/core/frame.h"
 #include "host/settings/settings.h"
@@ -13,8 +14,8 @@ namespace rosefusion {
 VolumeOptions volumeOptions(const VolumeSettings& settings);
 
 /// Holds the current frame on the device. recordSearch() and grow(), repeated while grow() says so, come
-/// before recordFusion(); each is submitted and has run before the next. The Device must outlive it. One
-/// thread.
+/// before recordFusion(); the search has run before its grow(), what that recorded before or with the fusion.
+/// The Device must outlive it. One thread.
 class FrameIntegrator {
  public:
   FrameIntegrator(Device& device, const Settings& settings, const Intrinsics& intrinsics,
@@ -27,23 +28,21 @@ class FrameIntegrator {
   void recordFrame(Recorder& recorder, const DevicePixels& depth);
   /// Lists the voxel blocks that the frame needs.
   void recordSearch(Recorder& recorder, const Volume& volume, const Pose& world_from_camera);
-  /// Gives the volume those blocks; see AllocatePass::finish().
-  bool grow(Volume& volume) { return allocate_.finish(volume); }
+  /// Gives the volume those blocks, for what is recorded next; see AllocatePass::finish().
+  bool grow(Recorder& recorder, Volume& volume) { return allocate_.finish(recorder, volume); }
   void recordFusion(Recorder& recorder, const Volume& volume, const Pose& world_from_camera);
-  /// All three for a frame that was recorded and submitted before; waits for their end.
+  /// All three for a frame that was recorded and submitted before; does not wait for the last.
   void fuse(Recorder& recorder, Volume& volume, const Pose& world_from_camera);
 
-  const PreprocessPass& frame() const { return preprocess_; }
+  const DeviceFrame& frame() const { return preprocess_.frame(); }
 
  private:
   template <typename Depth>
   void recordDepth(Recorder& recorder, const Depth& depth);
-  std::span<const std::uint32_t> wordsOf(const cv::Mat& bgr);
 
   Settings settings_;
   Intrinsics intrinsics_;
   double depth_units_per_metre_;
-  std::vector<std::uint32_t> words_;  ///< the last colour image, as the device takes it
   PreprocessPass preprocess_;
   AllocatePass allocate_;
   IntegratePass integrate_;

@@ -53,7 +53,7 @@ void conclude(std::vector<PoseFit> fits, PoseRefiner& refiner, TrackResult& resu
 }  // namespace
 
 TrackResult searchAround(SwarmSearch& search, PoseRefiner& refiner, const RefineSettings& settings,
-                         const PreprocessPass& frame, const Volume& volume, std::span<const Pose> centres,
+                         const DeviceFrame& frame, const Volume& volume, std::span<const Pose> centres,
                          std::size_t followed, const SearchObserver& observer, std::span<const Pose> more) {
   TrackResult result;
   std::vector<PoseFit> fits;
@@ -103,7 +103,7 @@ void searchAlongNormals(PoseRefiner& refiner, const RefineSettings& settings, co
 }
 
 std::vector<Pose> alignCoarsely(PoseRefiner& refiner, const RefineSettings& settings,
-                                const PreprocessPass& frame, const Volume& coarse, std::vector<Pose> places) {
+                                const DeviceFrame& frame, const Volume& coarse, std::vector<Pose> places) {
   refiner.selectPixels(frame, kFromAfar * settings.coarse_pixel_stride);
   for (Pose& place : places)
     place = refiner.refine(coarse, std::vector<Pose>{place}, settings.coarse_iterations, place)[0]

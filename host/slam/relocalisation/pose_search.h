@@ -13,7 +13,7 @@ namespace rosefusion {
 /// `more`: further poses, within some centimetres of where the camera may be, that are refined too; then of
 /// the other centres only the best is searched.
 TrackResult searchAround(SwarmSearch& search, PoseRefiner& refiner, const RefineSettings& settings,
-                         const PreprocessPass& frame, const Volume& volume, std::span<const Pose> centres,
+                         const DeviceFrame& frame, const Volume& volume, std::span<const Pose> centres,
                          std::size_t followed = 0, const SearchObserver& observer = {},
                          std::span<const Pose> more = {});
 
@@ -26,6 +26,6 @@ void searchAlongNormals(PoseRefiner& refiner, const RefineSettings& settings, co
 /// Poses within some centimetres and degrees of where the camera may be, refined onto the surface of the
 /// coarse map `coarse`: what searchAround() takes as `more`.
 std::vector<Pose> alignCoarsely(PoseRefiner& refiner, const RefineSettings& settings,
-                                const PreprocessPass& frame, const Volume& coarse, std::vector<Pose> places);
+                                const DeviceFrame& frame, const Volume& coarse, std::vector<Pose> places);
 
 }  // namespace rosefusion

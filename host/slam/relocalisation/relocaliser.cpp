@@ -44,7 +44,7 @@ std::vector<Pose> likelyHypotheses(const Map& map, const cv::Mat& metres) {
 
 }  // namespace
 
-TrackResult Relocaliser::find(const PreprocessPass& frame, const cv::Mat& metres, const Map& map,
+TrackResult Relocaliser::find(const DeviceFrame& frame, const cv::Mat& metres, const Map& map,
                               const TrackHistory& before, double timestamp, const SearchObserver& observer) {
   const std::vector<Keyframe>& keyframes = map.keyframes.all();
   // Where it is expected is followed, whatever the keyframes' surroundings promise.

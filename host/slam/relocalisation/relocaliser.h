@@ -19,7 +19,7 @@ class Relocaliser {
   /// Poses of the frame held by `frame`, whose image is `metres` (of depthInMetres()), taken at `timestamp`;
   /// candidates by cost. `before`: of the frames before the loss. Whether one is accepted is for
   /// pose_verification.h to say.
-  TrackResult find(const PreprocessPass& frame, const cv::Mat& metres, const Map& map,
+  TrackResult find(const DeviceFrame& frame, const cv::Mat& metres, const Map& map,
                    const TrackHistory& before, double timestamp, const SearchObserver& observer = {});
 
  private:

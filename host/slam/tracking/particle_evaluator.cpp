@@ -14,7 +14,7 @@ ParticleEvaluator::ParticleEvaluator(Device& device, const Settings& settings, c
       settings_(settings.tracking),
       camera_(toShader(intrinsics)) {}
 
-void ParticleEvaluator::evaluate(const PreprocessPass& frame, const Volume& volume, const PixelGrid& grid,
+void ParticleEvaluator::evaluate(const DeviceFrame& frame, const Volume& volume, const PixelGrid& grid,
                                  const Pose& centre, const Pose& last, const SwarmPlacement& swarm) {
   const glm::mat4 previous_from_current = toShader(last.inverse() * centre);
   select.record(recorder, frame, grid,

@@ -16,7 +16,7 @@ class ParticleEvaluator {
                     std::span<const glm::vec4> templates);
 
   /// `centre`: the best pose so far, `last`: the last frame's, for the overlap [eq. validness].
-  void evaluate(const PreprocessPass& frame, const Volume& volume, const PixelGrid& grid, const Pose& centre,
+  void evaluate(const DeviceFrame& frame, const Volume& volume, const PixelGrid& grid, const Pose& centre,
                 const Pose& last, const SwarmPlacement& swarm);
   /// Of the last evaluate(), by particle; negative where no pixel was counted.
   std::span<const float> losses() const;

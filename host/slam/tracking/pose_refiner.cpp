@@ -21,6 +21,12 @@ constexpr double kAlike = 20;
 // with the view. Beyond twice of it a residual counts linearly.
 constexpr double kLuminanceDeviation = 0.03, kLuminanceHuber = 2 * kLuminanceDeviation;
 
+constexpr double kLeastDamping = 1e-6, kMostDamping = 1e3;
+
+double nextDamping(double refused) {
+  return std::max(refused * 10, 1e-2);
+}
+
 /// To (u z, v z, z), pixels.
 Eigen::Matrix4d imageFromCamera(const Intrinsics& k) {
   Eigen::Matrix4d out = Eigen::Matrix4d::Identity();
@@ -101,15 +107,29 @@ struct PoseRefiner::Descent {
   Evaluation at;
   LocalModel model;
   double damping = 1e-3;
+  int trials = 0;
   bool finished = false;
 };
 
-PoseRefiner::PoseRefiner(Device& device, const Settings& settings, const Intrinsics& intrinsics)
+/// A step that a descent may take.
+struct PoseRefiner::Trial {
+  Descent* owner;
+  Place place;
+  Vector6 step;
+  double damping;
+};
+
+PoseRefiner::PoseRefiner(Device& device, const Settings& settings, const Intrinsics& intrinsics,
+                         int trials_at_once)
     : settings_(settings.refine),
       weights_{static_cast<float>(settings.refine.huber), toShader(settings.depth),
                static_cast<float>(settings.refine.model_noise), settings.refine.front_only},
       colour_weight_(settings.refine.colour_weight *
                      std::pow(settings.depth.noise_floor / kLuminanceDeviation, 2)),
+      // A GPU evaluates a few poses in the time of one, a CPU does not.
+      trials_at_once_(trials_at_once > 0                      ? trials_at_once
+                      : device.info().type == DeviceType::Cpu ? 1
+                                                              : 4),
       camera_(toShader(intrinsics)),
       image_from_camera_(imageFromCamera(intrinsics)),
       recorder_(device),
@@ -117,12 +137,34 @@ PoseRefiner::PoseRefiner(Device& device, const Settings& settings, const Intrins
       refine_(device),
       refine_colour_(device) {}
 
-void PoseRefiner::selectPixels(const PreprocessPass& frame, int stride, const std::optional<Pose>& last) {
+void PoseRefiner::selectPixels(const DeviceFrame& frame, int stride, const std::optional<Pose>& last) {
   last_ = last;
-  coloured_ = last && colour_weight_ > 0 && frame.hasColour() ? &frame : nullptr;
+  coloured_ = last && colour_weight_ > 0 && frame.has_colour ? &frame : nullptr;
   asks_colour_ = false;
-  select_.record(recorder_, frame, {stride, stride / 2, stride / 2}, nullptr);
-  recorder_.submit();
+  select_.record(recorder_, frame, {stride, stride / 2, stride / 2}, nullptr);  // submitted with a pose
+}
+
+bool PoseRefiner::ends(const Vector6& step, double damping) const {
+  return step.cwiseAbs().maxCoeff() < settings_.minimum_move || damping > kMostDamping;
+}
+
+/// The next step of a descent, and those that would follow if it and they were refused: the model stays the
+/// same then, and only the damping grows.
+void PoseRefiner::propose(Descent& d, int most_trials, const Pose& expected, std::vector<Trial>& trials) {
+  double damping = d.damping;
+  for (int k = 0; k < trials_at_once_ && !d.finished && d.trials + k < most_trials; ++k) {
+    Matrix6 h = d.model.hessian + d.model.hold;
+    h.diagonal() += damping * h.diagonal() + Vector6::Constant(1e-9);
+    const Vector6 step = h.ldlt().solve(d.model.hold * difference(d.place.pose, expected) - d.model.gradient);
+    if (!step.allFinite()) {
+      d.finished = k == 0;
+      return;
+    }
+    const double gain = d.place.gain + d.model.gain_step + d.model.gain_slope.dot(step);
+    trials.push_back({&d, {moved(d.place.pose, step), gain}, step, damping});
+    damping = nextDamping(damping);
+    if (ends(step, damping)) return;
+  }
 }
 
 std::uint64_t PoseRefiner::takePointsRead() {
@@ -197,27 +239,17 @@ std::vector<PoseFit> PoseRefiner::refine(const Volume& volume, std::span<const P
   std::vector<Descent> descents;
   for (std::size_t i = 0; i < starts.size(); ++i)
     descents.push_back({places[i], first[i], modelOf(first[i])});
-  for (int iteration = 0; iteration < iterations; ++iteration) {
-    std::vector<Place> trials;
-    std::vector<Vector6> steps;
-    std::vector<Descent*> owners;
-    for (Descent& d : descents) {
-      if (d.finished) continue;
-      Matrix6 h = d.model.hessian + d.model.hold;
-      h.diagonal() += d.damping * h.diagonal() + Vector6::Constant(1e-9);
-      const Vector6 step =
-          h.ldlt().solve(d.model.hold * difference(d.place.pose, expected) - d.model.gradient);
-      d.finished = !step.allFinite();
-      if (d.finished) continue;
-      trials.push_back(
-          {moved(d.place.pose, step), d.place.gain + d.model.gain_step + d.model.gain_slope.dot(step)});
-      steps.push_back(step);
-      owners.push_back(&d);
-    }
+  while (true) {
+    std::vector<Trial> trials;
+    for (Descent& d : descents) propose(d, iterations, expected, trials);
     if (trials.empty()) break;
-    const std::vector<Evaluation> found = evaluate(volume, trials);
+    places.clear();
+    for (const Trial& trial : trials) places.push_back(trial.place);
+    const std::vector<Evaluation> found = evaluate(volume, places);
     for (std::size_t k = 0; k < trials.size(); ++k) {
-      Descent& d = *owners[k];
+      Descent& d = *trials[k].owner;
+      // Those after one that was accepted, or that ended the descent, were asked for in vain.
+      if (d.finished || trials[k].damping != d.damping) continue;
       // Hold and colour are in units of the normal equations' weights, the cost in its own.
       const double unit = d.model.cost_unit;
       const auto objective = [&](const Pose& pose, const Evaluation& at) {
@@ -227,15 +259,15 @@ std::vector<PoseFit> PoseRefiner::refine(const Volume& volume, std::span<const P
         const double points = (*d.at.colour)[shader::kRefineColourPoints];
         return depth + unit * colour_weight_ * points * meanCost(*at.colour);
       };
-      if (objective(trials[k].pose, found[k]) < objective(d.place.pose, d.at)) {
-        d.place = trials[k];
+      ++d.trials;
+      const bool better = objective(trials[k].place.pose, found[k]) < objective(d.place.pose, d.at);
+      d.damping = better ? std::max(d.damping * 0.1, kLeastDamping) : nextDamping(d.damping);
+      if (better) {
+        d.place = trials[k].place;
         d.at = found[k];
         d.model = modelOf(found[k]);
-        d.damping = std::max(d.damping * 0.1, 1e-6);
-      } else {
-        d.damping = std::max(d.damping * 10, 1e-2);
       }
-      d.finished = steps[k].cwiseAbs().maxCoeff() < settings_.minimum_move || d.damping > 1e3;
+      d.finished = ends(trials[k].step, d.damping);
     }
   }
   std::vector<PoseFit> fits;

@@ -20,12 +20,14 @@ inline constexpr double kAsksColour = 12;
 
 class PoseRefiner {
  public:
-  PoseRefiner(Device& device, const Settings& settings, const Intrinsics& intrinsics);
+  /// `trials_at_once`: steps of a descent that are evaluated together, 0 chooses by the device. The poses
+  /// found are the same bits whatever it is.
+  PoseRefiner(Device& device, const Settings& settings, const Intrinsics& intrinsics, int trials_at_once = 0);
 
   /// Which pixels the next calls look at: every stride-th of the frame, which must outlive them. `last`: the
   /// last frame's pose; what its image did not hold may be missing in the model. Without it, whatever is
   /// missing counts against a pose, and colour is not asked.
-  void selectPixels(const PreprocessPass& frame, int stride, const std::optional<Pose>& last = {});
+  void selectPixels(const DeviceFrame& frame, int stride, const std::optional<Pose>& last = {});
   /// Descends from each start; the results keep the starts' order. `expected`: the pose that the motion model
   /// speaks for; it decides in directions that neither depth nor, with refine.colour_weight, colour
   /// constrains (refine.least_constraint). Once depth holds no start of a call firmly (kAsksColour), colour
@@ -46,12 +48,16 @@ class PoseRefiner {
   };
   struct LocalModel;
   struct Descent;
+  struct Trial;
+  bool ends(const Vector6& step, double damping) const;
+  void propose(Descent& descent, int most_trials, const Pose& expected, std::vector<Trial>& trials);
   std::vector<Evaluation> evaluate(const Volume& volume, std::span<const Place> places);
   PoseFit fitOf(const Descent& descent) const;
 
   const RefineSettings settings_;
   const RefineWeights weights_;
   const double colour_weight_;  ///< of a squared luminance, in squared metres
+  const int trials_at_once_;
   const shader::CameraIntrinsics camera_;
   const Eigen::Matrix4d image_from_camera_;
   std::optional<Pose> last_;
@@ -59,7 +65,7 @@ class PoseRefiner {
   SelectPointsPass select_;
   RefinePass refine_;
   RefineColourPass refine_colour_;
-  const PreprocessPass* coloured_ = nullptr;  ///< the frame looked at, where its colour may be asked
+  const DeviceFrame* coloured_ = nullptr;  ///< the frame looked at, where its colour may be asked
   bool asks_colour_ = false;
   std::uint64_t points_read_ = 0;
 };

@@ -43,7 +43,7 @@ SwarmSearch::SwarmSearch(Device& device, const Settings& settings, const Intrins
   }
 }
 
-SwarmResult SwarmSearch::search(const PreprocessPass& frame, const Volume& volume, const Pose& start,
+SwarmResult SwarmSearch::search(const DeviceFrame& frame, const Volume& volume, const Pose& start,
                                 const Pose& last, const SearchObserver& observer) {
   SwarmResult result;
   SwarmState state = beginFrame(settings_.swarm, start, previous_ ? &*previous_ : nullptr);
@@ -73,7 +73,7 @@ SwarmResult SwarmSearch::search(const PreprocessPass& frame, const Volume& volum
   return result;
 }
 
-std::vector<ScannedPose> SwarmSearch::scan(const PreprocessPass& frame, const Volume& volume,
+std::vector<ScannedPose> SwarmSearch::scan(const DeviceFrame& frame, const Volume& volume,
                                            std::span<const Pose> poses, double shift, double turn) {
   const std::size_t level = settings_.swarm.levels.size() / 2;
   const SwarmTemplate& swarm_template = templates_.at(level, 0);
@@ -102,15 +102,17 @@ std::vector<ScannedPose> SwarmSearch::scan(const PreprocessPass& frame, const Vo
   return found;
 }
 
-PoseScore SwarmSearch::score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera,
-                             const Pose& last) {
+void SwarmSearch::recordScore(Recorder& recorder, const DeviceFrame& frame, const Volume& volume,
+                              const Pose& world_from_camera, const Pose& last) {
   // Particle 0 of any template is the zero move.
   const SwarmPlacement one{toShader(world_from_camera), glm::vec4(0), glm::vec4(0), level_offsets_[0], 1};
   const PixelGrid grid{kScoreStride, 0, 0};
   const glm::mat4 previous_from_current = toShader(last.inverse() * world_from_camera);
-  evaluator_.select.record(evaluator_.recorder, frame, grid, &previous_from_current);
-  evaluator_.fitness.record(evaluator_.recorder, volume, evaluator_.select, one);
-  evaluator_.recorder.submit();
+  evaluator_.select.record(recorder, frame, grid, &previous_from_current);
+  evaluator_.fitness.record(recorder, volume, evaluator_.select, one);
+}
+
+PoseScore SwarmSearch::recordedScore() const {
   PoseScore score;
   const double valid = evaluator_.select.valid();
   score.valid_share = valid / evaluator_.select.cells();
@@ -118,6 +120,13 @@ PoseScore SwarmSearch::score(const PreprocessPass& frame, const Volume& volume, 
   const double loss = evaluator_.fitness.losses()[0];
   if (loss >= 0) score.residual = settings_.swarm.loss == FitnessLoss::kSquared ? std::sqrt(loss) : loss;
   return score;
+}
+
+PoseScore SwarmSearch::score(const DeviceFrame& frame, const Volume& volume, const Pose& world_from_camera,
+                             const Pose& last) {
+  recordScore(evaluator_.recorder, frame, volume, world_from_camera, last);
+  evaluator_.recorder.submit();
+  return recordedScore();
 }
 
 }  // namespace rosefusion

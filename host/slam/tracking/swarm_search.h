@@ -34,14 +34,19 @@ class SwarmSearch {
 
   /// Pose of the frame held by `frame`, searched from `start`; `last`: the last frame's pose, for the
   /// overlap.
-  SwarmResult search(const PreprocessPass& frame, const Volume& volume, const Pose& start, const Pose& last,
+  SwarmResult search(const DeviceFrame& frame, const Volume& volume, const Pose& start, const Pose& last,
                      const SearchObserver& observer = {});
   /// The best particle of one wide template around each pose, over every valid pixel of a coarse grid: for
   /// poses that may be far off. Axis lengths in metres and of the quaternion's imaginary part.
-  std::vector<ScannedPose> scan(const PreprocessPass& frame, const Volume& volume,
-                                std::span<const Pose> poses, double shift, double turn);
-  /// Fit of the frame at a pose; every 8th pixel, all of them counted for the shares.
-  PoseScore score(const PreprocessPass& frame, const Volume& volume, const Pose& world_from_camera,
+  std::vector<ScannedPose> scan(const DeviceFrame& frame, const Volume& volume, std::span<const Pose> poses,
+                                double shift, double turn);
+  /// Fit of the frame at a pose; every 8th pixel, all of them counted for the shares. Recorded with other
+  /// work, and read once that has run.
+  void recordScore(Recorder& recorder, const DeviceFrame& frame, const Volume& volume,
+                   const Pose& world_from_camera, const Pose& last);
+  PoseScore recordedScore() const;
+  /// Both, and waits.
+  PoseScore score(const DeviceFrame& frame, const Volume& volume, const Pose& world_from_camera,
                   const Pose& last);
   const TemplateSet& templates() const { return templates_; }
 

@@ -18,7 +18,7 @@ double motionPriorCost(const Pose& pose, const Pose& expected) {
 
 }  // namespace
 
-TrackResult Tracker::track(const PreprocessPass& frame, const Volume& volume, const TrackHistory& history,
+TrackResult Tracker::track(const DeviceFrame& frame, const Volume& volume, const TrackHistory& history,
                            double timestamp, const SearchObserver& observer) {
   TrackResult result;
   const Pose predicted = history.motion.predict(timestamp), expected = history.withOdometry(predicted);

@@ -13,7 +13,7 @@ class Tracker : public PoseMethod {
   Tracker(const RefineSettings& settings, SwarmSearch& search, PoseRefiner& refiner)
       : settings_(settings), search_(search), refiner_(refiner) {}
 
-  TrackResult track(const PreprocessPass& frame, const Volume& volume, const TrackHistory& history,
+  TrackResult track(const DeviceFrame& frame, const Volume& volume, const TrackHistory& history,
                     double timestamp, const SearchObserver& observer = {}) override;
   bool relocalises() const override { return true; }
 

@@ -25,7 +25,7 @@ class RefinerTest : public ValidatingDevice {
     run_->load(kFrames - 1);
     truth_ = sequence.poses[kFrames - 1];
     refiner_.emplace(device(), settings_, sequence.camera);
-    refiner_->selectPixels(run_->preprocess, kStride);
+    refiner_->selectPixels(run_->preprocess.frame(), kStride);
   }
   /// The truth moved in the world and turned about the camera's centre.
   Pose off(const Eigen::Vector3d& shift, double angle, const Eigen::Vector3d& axis) const {
@@ -57,6 +57,27 @@ Sequence wallSequence() {
   }
   return sequence;
 }
+// GPUs evaluate the steps that would follow refused ones as well.
+TEST_F(RefinerTest, TrialsThatAreEvaluatedTogetherChangeNoBit) {
+  fuse(makeSequence(kPlainCamera, kFrames, 81));
+  const std::vector<Pose> starts{off({0.03, -0.02, 0.02}, 0.02, {1, 2, 0}),
+                                 off({0.2, 0.1, 0}, 0.1, {0, 1, 3}), truth_};
+  const std::uint64_t submits_before = device().work().submits;
+  const std::vector<PoseFit> one = refine(starts, truth_);
+  const std::uint64_t submits = device().work().submits - submits_before;
+  for (const int at_once : {2, 4, 40}) {
+    PoseRefiner refiner(device(), settings_, run_->sequence.camera, at_once);
+    refiner.selectPixels(run_->preprocess.frame(), kStride);
+    const std::uint64_t before = device().work().submits;
+    const std::vector<PoseFit> several = refiner.refine(run_->volume, starts, kIterations, truth_);
+    EXPECT_LT(device().work().submits - before, submits) << "what was to be saved";
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      EXPECT_EQ(several[i].world_from_camera.matrix(), one[i].world_from_camera.matrix()) << at_once;
+      EXPECT_EQ(several[i].cost, one[i].cost) << at_once;
+    }
+  }
+}
+
 TEST_F(RefinerTest, ComesBackToTheFusedPose) {
   fuse(makeSequence(kOddCamera, kFrames, 81));
   const std::vector<Pose> starts = {off({0, 0, 0}, 0, {1, 0, 0}),
