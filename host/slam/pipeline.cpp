@@ -140,17 +140,25 @@ FrameResult Pipeline::follow(const Frame& frame) {
 void Pipeline::preprocess(const Frame& frame, FrameResult& result) {
   const StageTimer timer(result.milliseconds.preprocess);
   fuser_.recordFrame(recorder_, frame);
-  recorder_.submit();
-  metres_ = depthInMetres(frame.depth, settings_.depth, depth_units_per_metre_);
+  recordScore(acceptedPose(state_));
+  recorder_.start();
+  metres_ = depthInMetres(frame.depth, settings_.depth, depth_units_per_metre_);  // meanwhile
+  recorder_.finish();
+}
+
+void Pipeline::recordScore(const Pose& world_from_camera) {
+  search_.recordScore(recorder_, fuser_.frame(), map_.volume, world_from_camera, historyOf(state_).last);
 }
 
 PoseScore Pipeline::scoreAt(const Pose& world_from_camera) {
-  return search_.score(fuser_.frame(), map_.volume, world_from_camera, historyOf(state_).last);
+  recordScore(world_from_camera);
+  recorder_.submit();
+  return search_.recordedScore();
 }
 
 FrameEvidence Pipeline::examine(const Frame& frame, FrameResult& result) {
   const StageTimer timer(result.milliseconds.track);
-  FrameEvidence out{frame.timestamp, scoreAt(acceptedPose(state_)), {}, {}, 0};
+  FrameEvidence out{frame.timestamp, search_.recordedScore(), {}, {}, 0};
   if (std::holds_alternative<Initialising>(state_)) {
     out.score.residual = 0;  // there is no model yet to differ from
     return out;
@@ -163,9 +171,13 @@ FrameEvidence Pipeline::examine(const Frame& frame, FrameResult& result) {
   out.found = lost ? relocaliser_.find(fuser_.frame(), metres_, map_, history, frame.timestamp, observer_)
                    : method_->track(fuser_.frame(), map_.volume, history, frame.timestamp, observer_);
   if (!mustVerify(state_, *out.found, frame.timestamp, limits)) {
-    out.score = scoreAt(out.found->world_from_camera);
-    if (judge(out.score, limits).status != TrackingStatus::Lost)
-      out.violation = map_.free_space.violationOfLast(metres_, out.found->world_from_camera);
+    recordScore(out.found->world_from_camera);
+    recorder_.start();
+    const double violation =
+        map_.free_space.violationOfLast(metres_, out.found->world_from_camera);  // meanwhile
+    recorder_.finish();
+    out.score = search_.recordedScore();
+    if (judge(out.score, limits).status != TrackingStatus::Lost) out.violation = violation;
     return out;
   }
   const bool followed = std::holds_alternative<Tracking>(state_);
@@ -220,6 +232,7 @@ bool Pipeline::becomesKeyframe(const Pose& world_from_camera) {
 }
 
 void Pipeline::finish() {
+  recorder_.finish();
   if (!loops_) return;
   const bool rebuild = loops_->finish();
   map_.move(loops_->framePoses());

@@ -91,6 +91,7 @@ class Pipeline {
   void integrate(FrameResult& result);
   void closeLoops(const Frame& frame, FrameResult& result);
   /// Fit of the frame at a pose, over the overlap with the last one.
+  void recordScore(const Pose& world_from_camera);
   PoseScore scoreAt(const Pose& world_from_camera);
   Thresholds thresholds() const { return thresholdsOf(settings_, method_->relocalises()); }
   /// Replaces a model that hardly a frame has confirmed by one of the frames that do not fit it.
