@@ -271,10 +271,10 @@ void Session::end() {
   finish(Phase::Finished, "The sequence has ended.", false);
 }
 
-/// Takes over what closed loops made of the poses so far. False where there are none.
+/// Takes over what poses became after they were told. False where there are none.
 bool Session::correctPath() {
   const Trajectory& poses = pipeline_->trajectory();
-  if (!pipeline_->loops() || poses.empty() || path_.empty()) return false;
+  if (poses.empty() || path_.empty()) return false;
   for (std::size_t i = 0; i < std::min(path_.size(), poses.size()); ++i)
     path_[i].position = poses[i].world_from_camera.translation();
   if (last_pose_) last_pose_ = poses[std::min(path_.size(), poses.size()) - 1];
@@ -283,10 +283,8 @@ bool Session::correctPath() {
 
 void Session::publish(const SourceFrame& frame, const FrameResult& result) {
   const bool found = result.status != TrackingStatus::Lost;
-  if (result.loop) {
-    correctPath();
-    say(told(*result.loop));
-  }
+  if (result.loop || result.stretch_closed) correctPath();
+  if (result.loop) say(told(*result.loop));
   if (result.began_anew) {
     path_.assign(1, {Eigen::Vector3d::Zero(), 0, false});
     last_pose_ = StampedPose{last_timestamp_, Pose::Identity()};

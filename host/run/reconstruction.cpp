@@ -28,9 +28,8 @@ std::size_t RunSummary::dropped() const {
 
 namespace {
 
-/// Closes the loops and takes the corrected poses over.
+/// Closes the loops, and takes over what poses became after they were told.
 void finish(Pipeline& pipeline, RunSummary& summary) {
-  if (!pipeline.loops()) return;
   try {
     pipeline.finish();
   } catch (const DeviceError& error) {
@@ -38,7 +37,7 @@ void finish(Pipeline& pipeline, RunSummary& summary) {
     summary.end = RunEnd::DeviceFull;
     summary.end_reason = error.what();
   }
-  summary.loops = pipeline.loops()->figures();
+  if (pipeline.loops()) summary.loops = pipeline.loops()->figures();
   for (RunFrame& f : summary.frames)
     if (f.result.number)
       f.result.world_from_camera = pipeline.trajectory()[*f.result.number].world_from_camera;

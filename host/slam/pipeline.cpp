@@ -216,7 +216,11 @@ void Pipeline::integrate(FrameResult& result) {
 void Pipeline::closeLoops(const Frame& frame, FrameResult& result) {
   result.number = map_.trajectory.size();
   map_.trajectory.push_back({result.timestamp, result.world_from_camera});
-  if (!loops_) return;
+  if (!loops_) {
+    result.stretch_closed = map_.open_stretches.add(
+        map_.trajectory, result.fit ? result.fit->covariance : OpenStretches::Covariance::Zero());
+    return;
+  }
   const StageTimer timer(result.milliseconds.loops);
   result.loop = loops_->add(frame, metres_, fuser_.frame(), result.world_from_camera, result.fused,
                             result.status == TrackingStatus::Tracked);

@@ -38,6 +38,9 @@ struct FrameResult {
   std::optional<std::size_t> number;
   /// Closed at this frame: all earlier poses have changed; see Pipeline::trajectory().
   std::optional<LoopClosure> loop;
+  /// The camera is held again: poses of frames before, which depth had left open, have changed; see
+  /// Pipeline::trajectory().
+  bool stretch_closed = false;
   int iterations = 0;
   std::uint64_t lookups = 0;
   StageMilliseconds milliseconds;

@@ -10,7 +10,8 @@ Map::Map(Device& device, const Settings& settings, const Intrinsics& camera)
     : volume(device, volumeOptions(settings.volume)),
       coarse(device, settings.volume),
       keyframes(camera),
-      free_space(camera, settings.depth, keyframes) {}
+      free_space(camera, settings.depth, keyframes),
+      open_stretches(settings.tracking.uncertain_deviation) {}
 
 void Map::move(std::span<const Pose> corrected) {
   if (corrected.size() != trajectory.size())
@@ -25,6 +26,7 @@ void Map::clear() {
   coarse.clear();
   keyframes.clear();
   trajectory.clear();
+  open_stretches.clear();
 }
 
 }  // namespace rosefusion

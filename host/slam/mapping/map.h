@@ -4,6 +4,7 @@
 #include "host/slam/mapping/coarse_map.h"
 #include "host/slam/mapping/free_space.h"
 #include "host/slam/mapping/keyframes.h"
+#include "host/slam/mapping/open_stretches.h"
 
 namespace rosefusion {
 
@@ -15,8 +16,9 @@ struct Map {
   Volume volume;
   CoarseMap coarse;  ///< of the keyframes
   Keyframes keyframes;
-  KnownFreeSpace free_space;  ///< of the keyframes
-  Trajectory trajectory;      ///< of the frames that have a pose
+  KnownFreeSpace free_space;     ///< of the keyframes
+  Trajectory trajectory;         ///< of the frames that have a pose
+  OpenStretches open_stretches;  ///< of the trajectory
 
   /// A closed loop has corrected all poses of `trajectory`. volume and coarse are to be made anew.
   void move(std::span<const Pose> corrected);
