@@ -292,6 +292,8 @@ void Session::publish(const SourceFrame& frame, const FrameResult& result) {
   }
   last_timestamp_ = result.timestamp;
   double speed = 0, turn_rate = 0;
+  for (const StampedPose& pose : result.recovered)
+    path_.push_back({pose.world_from_camera.translation(), 0, false});
   if (found) {
     const StampedPose now{result.timestamp, result.world_from_camera};
     const double seconds =

@@ -80,7 +80,7 @@ Result Reconstructor::Impl::process(const Frame& frame, const Semaphores& semaph
   }
   last_timestamp = result.timestamp;
   publish(result.timestamp, result.status == Status::Lost ? nullptr : &result.world_from_camera);
-  if (processed.loop || processed.stretch_closed) {
+  if (processed.loop || processed.stretch_closed || !processed.recovered.empty()) {
     const std::lock_guard lock(state);
     trajectory.clear();
     for (const StampedPose& pose : pipeline.trajectory())

@@ -66,6 +66,23 @@ void beginAnew(RunSummary& summary) {
       first->index);
 }
 
+/// Frames that were lost when they came have the poses that the last one confirms.
+void recover(RunSummary& summary, const FrameResult& last) {
+  auto frame = summary.frames.rbegin();
+  for (std::size_t left = last.recovered.size(); left > 0; --left) {
+    const StampedPose& pose = last.recovered[left - 1];
+    frame = std::find_if(frame, summary.frames.rend(), [&](const RunFrame& f) {
+      return !f.skipped && !f.result.number && f.result.timestamp == pose.timestamp;
+    });
+    if (frame == summary.frames.rend()) return;
+    FrameResult& result = frame->result;
+    result.status = TrackingStatus::Relocalised;
+    result.reason = {Reason::ConfirmedLater};
+    result.world_from_camera = pose.world_from_camera;
+    result.number = *last.number - (last.recovered.size() - (left - 1));
+  }
+}
+
 }  // namespace
 
 RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_frames,
@@ -102,6 +119,7 @@ RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_
       break;
     }
     if (frame.result.began_anew) beginAnew(summary);
+    if (frame.result.number) recover(summary, frame.result);
     summary.frames.push_back(std::move(frame));
     if (progress) progress({summary.frames.size(), total, &summary.frames.back()});
   }

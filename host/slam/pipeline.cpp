@@ -55,6 +55,9 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
       method_(makePoseMethod(device, settings_, intrinsics, search_, refiner_)),
       relocaliser_(settings_.refine, search_, refiner_),
       map_(device, settings_, intrinsics) {
+  fuser_.prepare(map_.volume);
+  search_.prepare(map_.volume);
+  refiner_.prepare(map_.volume);
   const std::filesystem::path cache = defaultTemplateCache({}).parent_path();
   sumsAreExact(
       cache.empty() ? cache : cache / "compensated_sums.txt", device.info(),
@@ -194,6 +197,7 @@ void Pipeline::report(const FrameEvidence& evidence, const Decision& decision, F
   result.status = decision.status;
   result.reason = decision.reason;
   result.fused = decision.integrate;
+  if (!loops_) result.recovered = decision.recovered;  // what has no images closes no loop
   result.score = evidence.score;
   result.intruding = evidence.violation;
   if (!evidence.found) return;
@@ -214,6 +218,7 @@ void Pipeline::integrate(FrameResult& result) {
 }
 
 void Pipeline::closeLoops(const Frame& frame, FrameResult& result) {
+  map_.trajectory.insert(map_.trajectory.end(), result.recovered.begin(), result.recovered.end());
   result.number = map_.trajectory.size();
   map_.trajectory.push_back({result.timestamp, result.world_from_camera});
   if (!loops_) {

@@ -38,6 +38,9 @@ struct FrameResult {
   std::optional<std::size_t> number;
   /// Closed at this frame: all earlier poses have changed; see Pipeline::trajectory().
   std::optional<LoopClosure> loop;
+  /// Poses of frames before, which were lost when they came and which this one confirms; the last of
+  /// Pipeline::trajectory() before its own.
+  Trajectory recovered;
   /// The camera is held again: poses of frames before, which depth had left open, have changed; see
   /// Pipeline::trajectory().
   bool stretch_closed = false;

@@ -34,6 +34,8 @@ std::string toString(const StatusReason& why) {
       return "no pose could be verified";
     case Reason::Tentative:
       return "relocalised tentatively; reported after the next consistent frame";
+    case Reason::ConfirmedLater:
+      return "found tentatively; the frames after it are consistent with it";
     case Reason::Jump:
       return "a sudden change; integrated once the next frames are consistent with it";
     case Reason::ConsistentOnce:

@@ -15,6 +15,7 @@ enum class Reason {
   WeaklyConstrained,   ///< a direction
   NotVerified,         ///< of a lost camera, or after a jump: no pose
   Tentative,           ///< relocalised, not yet reported
+  ConfirmedLater,      ///< relocalised by the frames after it
   Jump,                ///< reported, not yet integrated, as are the next two
   ConsistentOnce,      ///< relocalised; one more frame is awaited
   ConsistentUnknown,   ///< relocalised where little of the view is known

@@ -1,5 +1,7 @@
 #include "host/slam/tracking_state.h"
 
+#include <utility>
+
 namespace rosefusion {
 namespace {
 
@@ -55,13 +57,17 @@ bool isOccludedNow(bool occluded, const FrameEvidence& e, const Thresholds& t) {
 }
 
 Decision noPose(const TrackingState& state, const StatusReason& reason, const Thresholds& t) {
-  return {withoutPose(state, t), TrackingStatus::Lost, reason, {}, false};
+  return {withoutPose(state, t), TrackingStatus::Lost, reason, {}, false, {}};
 }
 
 Decision accept(const TrackingState& state, const FrameEvidence& e, const Pose& pose,
                 const Judgement& judgement, bool occluded) {
-  return {Tracking{advanced(state, pose, e.timestamp, false, e.found), occluded}, judgement.status,
-          judgement.reason, pose, !occluded};
+  return {Tracking{advanced(state, pose, e.timestamp, false, e.found), occluded},
+          judgement.status,
+          judgement.reason,
+          pose,
+          !occluded,
+          {}};
 }
 
 Decision decideFollowed(const TrackingState& state, const FrameEvidence& e, const Thresholds& t) {
@@ -89,9 +95,14 @@ Decision decideVerified(const TrackingState& state, const FrameEvidence& e, cons
     next.after_loss = pending || std::holds_alternative<Lost>(state);
     next.consistent = 0;
     next.high_confidence = next.overlap = next.confident_overlap = false;
+    next.unreported.clear();
   }
   const bool overlap = fit.observed_ratio >= t.relocalised_share, confident = e.verified->high_confidence;
-  ++next.consistent;
+  if (++next.consistent == 1) next.first = fit.world_from_camera;
+  // What moves with the camera, or looks alike here and there, does not go on fitting where the camera moves
+  // on.
+  const bool moved_on = next.consistent > t.reported_unknown_at && confident &&
+                        !areNear(next.first, fit.world_from_camera, kElsewhere, kElsewhere);
   next.overlap |= overlap;
   next.high_confidence |= confident;
   next.confident_overlap |= overlap && confident;
@@ -100,16 +111,21 @@ Decision decideVerified(const TrackingState& state, const FrameEvidence& e, cons
                                                  : t.reported_unknown_at;
   if (next.after_loss && next.consistent < reported_at) {
     next.occluded = false;
-    return {next, TrackingStatus::Lost, {Reason::Tentative}, {}, false};
+    next.unreported.push_back({e.timestamp, fit.world_from_camera});
+    return {next, TrackingStatus::Lost, {Reason::Tentative}, {}, false, {}};
   }
   next.occluded = isOccluded(state);
-  if (!next.overlap || next.consistent < t.integrated_at || (next.high_confidence && !confident)) {
+  const Trajectory recovered = std::exchange(next.unreported, {});
+  if (!(next.overlap || moved_on) || next.consistent < t.integrated_at ||
+      (next.high_confidence && !confident)) {
     const Reason reason = unsure         ? Reason::Jump
                           : next.overlap ? Reason::ConsistentOnce
                                          : Reason::ConsistentUnknown;
-    return {next, TrackingStatus::Relocalised, {reason}, fit.world_from_camera, false};
+    return {next, TrackingStatus::Relocalised, {reason}, fit.world_from_camera, false, recovered};
   }
-  return accept(state, e, fit.world_from_camera, judgeConstraint(fit, {}, t), next.occluded);
+  Decision decision = accept(state, e, fit.world_from_camera, judgeConstraint(fit, {}, t), next.occluded);
+  decision.recovered = recovered;
+  return decision;
 }
 
 }  // namespace

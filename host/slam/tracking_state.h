@@ -9,6 +9,7 @@
 #include <optional>
 #include <variant>
 
+#include "host/core/trajectory.h"
 #include "host/slam/relocalisation/pose_verification.h"
 #include "host/slam/status_reason.h"
 #include "host/slam/tracking/track_history.h"
@@ -29,8 +30,8 @@ struct Tracking {
 /// One image may match a wrong place, consecutive ones rarely do: tentative poses, from a first one that
 /// nothing else supports. After a loss they are reported from the 2nd consistent frame (3rd if none has high
 /// confidence) and integrated from the 3rd; after a jump reported at once and integrated from the 3rd. With
-/// little map overlap they are reported from the 10th and never integrated: an unknown occluder would match
-/// anything.
+/// little map overlap they are reported from the 10th, since an unknown occluder would match anything, and
+/// integrated once the camera has moved on and contradicts next to nothing.
 struct Verifying {
   TrackHistory candidate;  ///< with the tentative poses
   TrackHistory before;     ///< what holds again if they are rejected
@@ -38,6 +39,8 @@ struct Verifying {
   int consistent = 0;      ///< frames in turn
   bool after_loss = false;
   bool high_confidence = false, overlap = false, confident_overlap = false;  ///< of one of these frames
+  Pose first = Pose::Identity();                                             ///< of them
+  Trajectory unreported;  ///< the poses of these frames that were not reported
 };
 struct Lost {
   TrackHistory before;
@@ -86,6 +89,7 @@ struct Decision {
   StatusReason reason;
   std::optional<Pose> pose;  ///< world_from_camera, to be reported; none when lost
   bool integrate = false;
+  Trajectory recovered;  ///< of the frames before: tentative poses that this one confirms
 };
 
 /// What the numbers alone say of a pose that was followed.

@@ -24,7 +24,6 @@ constexpr struct {
 // Edges that a camera smears lie in space seen to be empty: of right poses of freiburg1_rpy up to 0.038 of
 // the image, of which 0.96 is known, and as much is not close to a surface in a usual frame.
 constexpr double kMostlyKnown = 0.8;
-constexpr double kElsewhere = 0.3;  // metres and radians: two places that look alike are none
 
 }  // namespace
 

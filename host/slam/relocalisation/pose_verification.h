@@ -13,6 +13,9 @@ inline constexpr double kShareOfNext = 0.5;
 /// Whether what intruded is gone, of tracking.intruding_share.
 inline constexpr double kIntrudingWhenFound = 0.5;
 
+/// Metres and radians: two poses that differ by less are one place, and no two that look alike.
+inline constexpr double kElsewhere = 0.3;
+
 struct VerifiedPose {
   PoseFit fit;
   bool high_confidence = false;  ///< contradicts next to nothing that was seen before

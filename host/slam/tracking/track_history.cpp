@@ -48,6 +48,10 @@ std::optional<double> TrackHistory::medianCost() const {
   return *middle;
 }
 
+bool TrackHistory::remembersEnough() const {
+  return costs.size() == kRememberedCosts;
+}
+
 Pose TrackHistory::withOdometry(const Pose& otherwise) const {
   if (!odometry) return otherwise;
   Pose moved_pose = last * odometry->last_camera_from_camera;

@@ -31,6 +31,8 @@ struct TrackHistory {
 
   /// Median cost of the last frames; none at the start and after a loss.
   std::optional<double> medianCost() const;
+  /// Whether that is of as many frames as are ever remembered.
+  bool remembersEnough() const;
   /// `otherwise`, with as much of it replaced as the odometry since `last` knows.
   Pose withOdometry(const Pose& otherwise) const;
   /// Where a lost camera may be, for all that is known of its motion: of `poses` the first `followed` are

@@ -47,8 +47,12 @@ TrackResult Tracker::track(const DeviceFrame& frame, const Volume& volume, const
   refiner_.selectPixels(frame, settings_.coarse_pixel_stride, history.last);
   refineFrom(history.odometry ? std::vector<Pose>{expected, history.last, predicted}
                               : std::vector<Pose>{expected, history.last});
-  searchFrom(best.world_from_camera);  // ends after max_empty_sets iterations where nothing better is near
   const std::optional<double> usual = history.medianCost();
+  // Where the descent fits as well as it mostly does, the swarm looks in vain
+  // (tests/bench/notes/tracking.md#the-swarm-where-it-is-needed).
+  const bool is_usual = !history.tentative && history.remembersEnough() && best.cost <= *usual;
+  if (!is_usual)
+    searchFrom(best.world_from_camera);  // ends after max_empty_sets iterations where nothing better is near
   if (!usual || best.cost > kSuspiciousFactor * *usual + kSuspiciousExcess) {
     searchFrom(expected);
     searchFrom(history.last);

@@ -102,6 +102,10 @@ TEST_F(PipelineTest, ACameraThatWasCarriedAcrossTheRoomIsFoundByWhatItKnowsOfThe
     EXPECT_LT(result.fit->observed_ratio, 0.5);
     EXPECT_LT(errorAt(i, result.fit->world_from_camera, sequence), 0.02) << "frame " << i;
     EXPECT_FALSE(result.fused);
+    // Then the nine before are known as well.
+    ASSERT_EQ(result.recovered.size(), i < kTold ? 0 : kTold - kFound);
+    for (std::size_t k = 0; k < result.recovered.size(); ++k)
+      EXPECT_LT(errorAt(kFound + k, result.recovered[k].world_from_camera, sequence), 0.02);
   }
 }
 

@@ -186,7 +186,7 @@ class Verification : public ::testing::Test {
   Decision next(double observed, bool confident = true, bool jump = false) {
     now_ += kStep;
     // A jump by the cost; what is observed shrinks within what is usual.
-    FrameEvidence e = seen(now_, x_ += 0.1, 0.9, jump ? 0.9 : 0.1);
+    FrameEvidence e = seen(now_, x_ += step_, 0.9, jump ? 0.9 : 0.1);
     e.verified = VerifiedPose{fitAt(x_, observed), confident};
     const Decision decision = decide(state_, e, limits());
     state_ = decision.next;
@@ -196,7 +196,7 @@ class Verification : public ::testing::Test {
     return next(observed, confident, jump).reason.reason;
   }
   TrackingState state_ = lost();
-  double now_ = kNow, x_ = 1;
+  double now_ = kNow, x_ = 1, step_ = 0.1;
 };
 
 TEST_F(Verification, ALostCameraIsReportedAtTheSecondFrameAndIntegratedAtTheThird) {
@@ -233,6 +233,7 @@ TEST_F(Verification, ASecondJumpWhileOneIsVerifiedBeginsAnewAsAfterALoss) {
 }
 
 TEST_F(Verification, WhileLittleIsKnownNothingIsIntegratedAndItIsReportedLate) {
+  step_ = 0.02;
   for (int i = 1; i < 15; ++i)
     EXPECT_EQ(reasonOf(0.4), i < 10 ? Reason::Tentative : Reason::ConsistentUnknown);
   EXPECT_EQ(reasonOf(0.5), Reason::None);
@@ -240,6 +241,29 @@ TEST_F(Verification, WhileLittleIsKnownNothingIsIntegratedAndItIsReportedLate) {
   begin(lost());
   EXPECT_EQ(reasonOf(0.4), Reason::Tentative);
   EXPECT_EQ(reasonOf(0.4), Reason::Tentative);
+}
+
+// What moves with the camera does not go on fitting; neither does a place that looks alike.
+TEST_F(Verification, WhileLittleIsKnownACameraThatMovedOnIsIntegrated) {
+  for (int i = 1; i < 10; ++i) EXPECT_EQ(reasonOf(0.4), Reason::Tentative);
+  EXPECT_EQ(reasonOf(0.4), Reason::ConsistentUnknown);
+  EXPECT_EQ(reasonOf(0.4, false), Reason::ConsistentUnknown) << "it contradicts a little";
+  const Decision confident = next(0.4);
+  EXPECT_EQ(confident.status, TrackingStatus::Tracked);
+  EXPECT_TRUE(confident.integrate);
+}
+
+TEST_F(Verification, ItsTentativePosesAreKnownOnceItIsReported) {
+  EXPECT_TRUE(next(0.4).recovered.empty());
+  EXPECT_TRUE(next(0.4, true, true).recovered.empty()) << "another place";
+  for (int i = 2; i < 10; ++i) EXPECT_TRUE(next(0.4).recovered.empty());
+  const Trajectory recovered = next(0.4).recovered;
+  ASSERT_EQ(recovered.size(), 9u);
+  for (std::size_t i = 0; i < recovered.size(); ++i) {
+    EXPECT_NEAR(recovered[i].timestamp, kNow + static_cast<double>(2 + i) * kStep, 1e-9);
+    EXPECT_NEAR(recovered[i].world_from_camera.translation().x(), 1.2 + 0.1 * static_cast<double>(i), 1e-9);
+  }
+  EXPECT_TRUE(next(0.4).recovered.empty()) << "they are told once";
 }
 
 TEST_F(Verification, OnceOneFrameKnewEnoughTheNextMayKnowLess) {
