@@ -239,9 +239,12 @@ void drawSettings(const Rectangle& area, const Snapshot& s, Session& session, Pa
   if (s.settings_wait) {
     if (ImGui::Button("Reset now, to use the new settings", {-1, 0})) session.reset();
   }
+  ImGui::Checkbox("for experts too", &state.expert_settings);
   std::string group;
   for (const SettingsField& field : settingsTable()) {
     if (field.key.find(state.settings_filter) == std::string::npos) continue;
+    // Who names one wants to see it.
+    if (state.settings_filter.empty() && !state.expert_settings && isExpertSetting(field.key)) continue;
     const std::string its_group = field.key.substr(0, field.key.find('.'));
     if (its_group != group) heading(its_group.c_str());
     group = its_group;

@@ -24,7 +24,7 @@ struct PanelState {
   std::string path;           ///< in the field
   std::filesystem::path out;  ///< where files are saved
   std::string settings_filter;
-  bool settings_open = false, focus_filter = false;
+  bool settings_open = false, focus_filter = false, expert_settings = false;
   int iteration = -1;            ///< of the swarm that is shown; -1: the last
   double draw_milliseconds = 0;  ///< of the viewer's own last frame
   bool headless = false;         ///< without what differs from run to run

@@ -160,6 +160,18 @@ std::string fieldText(const Settings& settings, std::string_view key, const std:
   return fieldText(settings, findField(key, source, {}));
 }
 
+bool isExpertSetting(std::string_view key) {
+  static constexpr std::string_view kForUsers[] = {"swarm.max_iterations", "refine.model_noise",
+                                                   "refine.front_only", "refine.colour_weight"};
+  static constexpr std::string_view kForExperts[] = {
+      "tracking.overlap", "tracking.normalise", "tracking.compensate", "tracking.templates_per_level",
+      "loops.min_travel", "loops.reach",        "loops.share",         "loops.tolerance"};
+  static constexpr std::string_view kExpertGroups[] = {"swarm.", "refine.", "pfo.", "pso.", "icp."};
+  if (std::ranges::find(kForUsers, key) != std::end(kForUsers)) return false;
+  return std::ranges::find(kForExperts, key) != std::end(kForExperts) ||
+         std::ranges::any_of(kExpertGroups, [&](std::string_view group) { return key.starts_with(group); });
+}
+
 bool isLiveSetting(std::string_view key) {
   return key == "tracking.min_valid_share" || key == "tracking.uncertain_overlap" ||
          key == "tracking.uncertain_residual" || key == "tracking.uncertain_deviation" ||
@@ -229,9 +241,21 @@ Settings loadSettings(const std::string& preset_or_file, const Log& log) {
 std::string toYaml(const Settings& settings) {
   TextStream out;
   std::string group;
-  for (const SettingsField& field : settingsTable()) {
-    const std::string name = field.key.substr(0, field.key.find('.'));
+  std::vector<SettingsField> fields = settingsTable();
+  const auto groupOf = [](const SettingsField& field) { return field.key.substr(0, field.key.find('.')); };
+  for (auto first = fields.begin(); first != fields.end();) {  // a user's settings first, in each group
+    const auto past = std::find_if(first, fields.end(),
+                                   [&](const SettingsField& f) { return groupOf(f) != groupOf(*first); });
+    std::stable_partition(first, past, [](const SettingsField& f) { return !isExpertSetting(f.key); });
+    first = past;
+  }
+  bool for_experts = false;
+  for (const SettingsField& field : fields) {
+    const std::string name = groupOf(field);
     if (name != group) out << (group.empty() ? "" : "\n") << name << ":\n";
+    for_experts = for_experts && name == group;
+    if (!for_experts && isExpertSetting(field.key)) out << "  # For experts:\n";
+    for_experts = isExpertSetting(field.key);
     group = name;
     out << "  " << field.key.substr(name.size() + 1) << ": " << fieldText(settings, field) << "  # "
         << (field.unit.empty() ? "" : field.unit + "; ") << field.help << '\n';

@@ -156,6 +156,9 @@ std::span<const RenamedSetting> renamedSettings();
 /// one), what is allowed, and `source`, the file or option it came from. `log` hears of a key's old name.
 void setField(Settings& settings, std::string_view key, const std::string& value, const std::string& source,
               const Log& log = {});
+/// Whether only those who work on the method itself meet the setting: constants of the paper's search, of
+/// what it is compared with, and of the refinement. The others are a user's.
+bool isExpertSetting(std::string_view key);
 /// Whether a running pipeline can take the setting over; the others take effect when it is made.
 bool isLiveSetting(std::string_view key);
 std::string fieldText(const Settings& settings, const SettingsField& field);

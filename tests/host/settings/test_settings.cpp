@@ -39,6 +39,18 @@ TEST(Settings, EveryFieldHasItsOwnKeyHelpAndPlace) {
   }
 }
 
+TEST(Settings, AUserMeetsFewOfThemAndFirst) {
+  const auto isForUsers = [](const SettingsField& field) { return !isExpertSetting(field.key); };
+  const auto users = std::count_if(settingsTable().begin(), settingsTable().end(), isForUsers);
+  EXPECT_LE(users, 60);
+  EXPECT_GE(users, 20);
+  const std::string yaml = toYaml(Settings());
+  const auto heading = yaml.find("# For experts:", yaml.find("swarm:"));
+  EXPECT_LT(yaml.find("max_iterations: 20"), heading);
+  EXPECT_GT(yaml.find("first_axis_scale:"), heading);
+  EXPECT_EQ(yaml.find("# For experts:", yaml.find("mesh:")), std::string::npos);
+}
+
 TEST(Settings, RenamedKeysAreAcceptedAndTold) {
   for (const RenamedSetting& renamed : renamedSettings()) {
     const std::string old_key(renamed.old_key), key(renamed.key);
