@@ -46,6 +46,10 @@ void FitnessPass::setTemplates(std::span<const glm::vec4> templates) {
   recorder.submit();
 }
 
+void FitnessPass::prepare(const VolumeView& volume, bool overlap_per_particle, bool racing) {
+  kernel(volume, overlap_per_particle, racing && (slices_ ? slices_ : slicesFor(device_.info(), 1)) == 1);
+}
+
 std::uint64_t FitnessPass::lookups() const {
   const auto walked = walked_.as<std::uint32_t>().first(particles_);
   if (!raced_) return std::uint64_t(particles_) * walked[0];  // all walk the same points
@@ -80,7 +84,7 @@ void FitnessPass::record(Recorder& recorder, const Volume& volume, const SelectP
   const FitnessParams params{swarm.world_from_camera, swarm.translation_lengths, swarm.rotation_lengths,
                              swarm.particles,         swarm.first_particle,      slices,
                              swarm.race_margin};
-  recorder.dispatch(kernels_.of(volume.chunks(), loss_, compensate_, last_view != nullptr, raced_),
+  recorder.dispatch(kernel(volume, last_view != nullptr, raced_),
                     {volume.layoutBuffer(), volume.table(), volume.tsdf(), templates_, points.points(),
                      points.count(), partial_, overlap_},
                     params, Threads{(swarm.particles + kFitnessParticles - 1) / kFitnessParticles, slices});

@@ -44,6 +44,9 @@ class FitnessPass {
   /// Replaces the templates, for swarms whose particles move one by one; between submits.
   void setTemplates(std::span<const glm::vec4> templates);
 
+  /// Makes the kernels of such a swarm now, not inside its first record().
+  void prepare(const VolumeView& volume, bool overlap_per_particle, bool racing);
+
   /// With `last_view` a particle counts only the points that it moves into that view; without, it counts all
   /// points.
   void record(Recorder& recorder, const Volume& volume, const SelectPointsPass& points,
@@ -56,6 +59,10 @@ class FitnessPass {
   std::uint64_t lookups() const;
 
  private:
+  const Kernel& kernel(const VolumeView& volume, bool overlap_per_particle, bool racing) {
+    return kernels_.of(volume.chunks(), loss_, compensate_, overlap_per_particle, racing);
+  }
+
   Device& device_;
   Loss loss_;
   bool compensate_;

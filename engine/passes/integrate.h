@@ -14,6 +14,8 @@ namespace rosefusion {
 class IntegratePass {
  public:
   explicit IntegratePass(Device& device);
+  /// Makes the kernel now, not inside the first record().
+  void prepare(const VolumeView& volume) { kernels_.of(volume.chunks()); }
 
   /// Updates all allocated blocks that the camera can see up to `far` metres and that no surface of the frame
   /// hides. The frame's own submit must have ended, and the blocks around the surface must have been

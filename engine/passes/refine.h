@@ -29,6 +29,9 @@ class RefinePass {
  public:
   explicit RefinePass(Device& device);
 
+  /// Makes the kernel now, not inside the first record().
+  void prepare(const VolumeView& volume) { kernels_.of(volume.chunks()); }
+
   /// At each candidate. Points without a distance (truncated or unobserved voxels beside them) count only in
   /// the costs, and there only where the last image, of `last_camera`, holds them with all voxels beside
   /// them.

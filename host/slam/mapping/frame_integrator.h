@@ -21,6 +21,9 @@ class FrameIntegrator {
   FrameIntegrator(Device& device, const Settings& settings, const Intrinsics& intrinsics,
                   double depth_units_per_metre);
 
+  /// What its passes need for this volume is made now, not inside the first frame; so it is elsewhere.
+  void prepare(const VolumeView& volume) { integrate_.prepare(volume); }
+
   /// Copies the images at once. Throws InputError for a depth image of another size or type; colour of
   /// another size is left out.
   void recordFrame(Recorder& recorder, const Frame& frame);

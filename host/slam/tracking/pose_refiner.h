@@ -24,6 +24,7 @@ class PoseRefiner {
   /// found are the same bits whatever it is.
   PoseRefiner(Device& device, const Settings& settings, const Intrinsics& intrinsics, int trials_at_once = 0);
 
+  void prepare(const VolumeView& volume) { refine_.prepare(volume); }
   /// Which pixels the next calls look at: every stride-th of the frame, which must outlive them. `last`: the
   /// last frame's pose; what its image did not hold may be missing in the model. Without it, whatever is
   /// missing counts against a pose, and colour is not asked.

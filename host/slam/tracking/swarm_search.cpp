@@ -43,6 +43,12 @@ SwarmSearch::SwarmSearch(Device& device, const Settings& settings, const Intrins
   }
 }
 
+void SwarmSearch::prepare(const VolumeView& volume) {
+  evaluator_.fitness.prepare(volume, false, false);
+  evaluator_.fitness.prepare(volume, settings_.tracking.overlap == Overlap::kParticle,
+                             settings_.tracking.race_margin > 0);
+}
+
 SwarmResult SwarmSearch::search(const DeviceFrame& frame, const Volume& volume, const Pose& start,
                                 const Pose& last, const SearchObserver& observer) {
   SwarmResult result;

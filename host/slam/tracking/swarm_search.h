@@ -32,6 +32,7 @@ class SwarmSearch {
   /// Throws InputError when the template set does not fit settings.swarm.levels.
   SwarmSearch(Device& device, const Settings& settings, const Intrinsics& intrinsics, TemplateSet templates);
 
+  void prepare(const VolumeView& volume);
   /// Pose of the frame held by `frame`, searched from `start`; `last`: the last frame's pose, for the
   /// overlap.
   SwarmResult search(const DeviceFrame& frame, const Volume& volume, const Pose& start, const Pose& last,
