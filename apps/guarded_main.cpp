@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 #include <iostream>
+#include <new>
 
 #include "apps/cli/exit_code.h"
 #include "engine/error.h"
@@ -45,6 +46,12 @@ int guardedMain(const char* name, const std::function<int()>& run) {
   } catch (const InputError& error) {
     spdlog::error("{}", error.what());
     return kExitBadInput;
+  } catch (const std::bad_alloc&) {
+    spdlog::error(
+        "This machine's memory is exhausted; close other programs, or make volume.voxel_size larger or "
+        "depth.max "
+        "smaller.");
+    return kExitFailure;
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
     return kExitFailure;

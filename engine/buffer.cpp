@@ -46,7 +46,8 @@ Buffer::Buffer(Device& owner, std::uint64_t bytes, Memory memory) : impl_(new Im
   Device::Impl& device = owner.impl();
   requireAtMost(device.info.limits.max_allocation_bytes, bytes, device.info);
   bytes = std::max<std::uint64_t>(16, (bytes + 3) / 4 * 4);
-  const std::string doing = "allocating " + std::to_string(bytes >> 20) + " MiB";
+  const std::string doing = "allocating " + (bytes >> 20 ? std::to_string(bytes >> 20) + " MiB"
+                                                         : std::to_string((bytes + 1023) >> 10) + " KiB");
   impl_->buffer = {
       device,
       VkBufferCreateInfo{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,

@@ -63,8 +63,9 @@ void makeInstance(Device::Impl& d, bool validation) {
   info.ppEnabledLayerNames = layers.data();
   info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
   info.ppEnabledExtensionNames = extensions.data();
-  if (d.vk.CreateInstance(&info, nullptr, &d.instance) != VK_SUCCESS) {
+  if (const VkResult result = d.vk.CreateInstance(&info, nullptr, &d.instance); result != VK_SUCCESS) {
     d.instance = nullptr;
+    if (isOutOfMemory(result)) require(result, "loading the drivers");
     throw DeviceError(
         DeviceErrorCode::NoDriver,
         "No Vulkan driver is installed; install the one of your GPU, or mesa-vulkan-drivers, which "
@@ -138,9 +139,28 @@ const char* toString(DeviceType type) {
   return "other";
 }
 
+bool isOutOfMemory(VkResult result) {
+  switch (result) {
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+    case VK_ERROR_MEMORY_MAP_FAILED:
+    case VK_ERROR_TOO_MANY_OBJECTS:
+    case VK_ERROR_FRAGMENTED_POOL:
+    case VK_ERROR_FRAGMENTATION:
+    case VK_ERROR_OUT_OF_POOL_MEMORY:
+      return true;
+    default:
+      return false;
+  }
+}
+
 void require(VkResult result, std::string_view doing) {
   if (result == VK_SUCCESS) return;
-  if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY)
+  if (result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_MEMORY_MAP_FAILED)
+    throw DeviceError(DeviceErrorCode::OutOfMemory,
+                      "The driver finds no more of the host's memory while " + std::string(doing) +
+                          "; make volume.voxel_size larger, depth.max smaller, or close other programs.");
+  if (isOutOfMemory(result))
     throw DeviceError(
         DeviceErrorCode::OutOfMemory,
         "Device memory is exhausted while " + std::string(doing) +
@@ -149,6 +169,10 @@ void require(VkResult result, std::string_view doing) {
     throw DeviceError(DeviceErrorCode::DeviceLost,
                       "The driver lost the device while " + std::string(doing) +
                           "; look for a GPU reset in the system log and update the driver.");
+  if (result == VK_ERROR_INITIALIZATION_FAILED || result == VK_ERROR_UNKNOWN)
+    throw DeviceError(result == VK_ERROR_UNKNOWN ? DeviceErrorCode::DeviceLost : DeviceErrorCode::NoDevice,
+                      "The driver failed while " + std::string(doing) +
+                          "; update it, or choose another device ('rosefusion devices' lists them).");
   throw DeviceError(DeviceErrorCode::Programming,
                     "Vulkan refused " + std::string(doing) + " (VkResult " + std::to_string(result) + ").");
 }

@@ -30,16 +30,20 @@ std::vector<const char*> extensionsToEnable(const Commands& vk, VkPhysicalDevice
 /// All that a command of Vulkan's lists, asked for their number first; none where it fails.
 template <typename T, typename Command, typename... Of>
 std::vector<T> enumerate(Command command, Of... of) {
-  std::vector<T> list;
+  const auto succeeds = [&](std::uint32_t* count, T* into) {
+    if constexpr (std::is_void_v<decltype(command(of..., count, into))>) {
+      command(of..., count, into);
+      return true;
+    } else {
+      const VkResult result = command(of..., count, into);
+      return result == VK_SUCCESS || result == VK_INCOMPLETE;
+    }
+  };
   std::uint32_t count = 0;
-  command(of..., &count, nullptr);
-  list.resize(count);
-  if constexpr (std::is_void_v<decltype(command(of..., &count, list.data()))>) {
-    command(of..., &count, list.data());
-  } else if (const VkResult result = command(of..., &count, list.data());
-             result != VK_SUCCESS && result != VK_INCOMPLETE) {
-    count = 0;
-  }
+  if (!succeeds(&count, nullptr) || count == 0)
+    return {};  // data() of nothing would ask for the number again
+  std::vector<T> list(count);
+  if (!succeeds(&count, list.data())) return {};
   list.resize(count);
   return list;
 }

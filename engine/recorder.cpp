@@ -13,6 +13,7 @@ namespace {
 constexpr std::uint32_t kSetsPerSubmit = 256;
 constexpr std::uint32_t kDescriptorsPerSubmit = kSetsPerSubmit * 20;
 constexpr std::chrono::microseconds kSoon(1000);  // most submits of a search end within
+constexpr int kLastWaits = 3;                     // for work whose recorder goes
 
 VkBufferImageCopy wholeImage(VkImageAspectFlags aspect, std::uint32_t width, std::uint32_t height) {
   return {.imageSubresource = {aspect, 0, 0, 1}, .imageExtent = {width, height, 1}};
@@ -44,9 +45,11 @@ struct Recorder::Impl {
   const Commands& vk() const { return device.vk; }
   bool isCallers() const { return commands != own_commands; }
   ~Impl() {
-    try {
-      finish();
-    } catch (const DeviceError&) {  // nobody is left to hear of a lost device
+    for (int attempt = 0; running && attempt < kLastWaits; ++attempt) {
+      try {
+        finish();
+      } catch (const DeviceError&) {  // nobody is left to hear of it
+      }
     }
   }
   void begin() {
@@ -75,16 +78,23 @@ struct Recorder::Impl {
       if (vk().GetFenceStatus(device.device, fence) == VK_SUCCESS) return true;
     return false;
   }
+  /// Where the wait itself fails the work may still run: it is waited for again before anything else is
+  /// recorded. Of a lost device there is nothing more to wait for.
   void finish() {
     if (!running) return;
-    running = false;  // of a lost device there is nothing more to wait for
     const VkFence* waited = fence.address();
     const char* doing = "running compute work";
-    if (!isSoonDone())
-      require(
-          vk().WaitForFences(device.device, 1, waited, VK_TRUE, std::numeric_limits<std::uint64_t>::max()),
-          doing);
-    require(vk().ResetFences(device.device, 1, waited), doing);
+    if (!isSoonDone()) {
+      const VkResult result =
+          vk().WaitForFences(device.device, 1, waited, VK_TRUE, std::numeric_limits<std::uint64_t>::max());
+      if (result == VK_ERROR_DEVICE_LOST) {
+        running = false;
+        letGo();
+      }
+      require(result, doing);
+    }
+    require(vk().ResetFences(device.device, 1, waited), doing);  // else it would tell of the next work's end
+    running = false;
     letGo();
   }
   void barrier() {

@@ -69,7 +69,8 @@ Volume::Volume(Device& device, const VolumeOptions& options)
   table_ = Buffer(device, 4 * table_mirror_.size(), Memory::Device);
   request_table_ = Buffer(device, table_.bytes(), Memory::Device);
   reserve(1);
-  uploadLayout();
+  recordLayout(table_origin_, table_size_, layout_);
+  recorder_.submit();
 }
 
 std::uint64_t Volume::memoryBytes() const {
@@ -99,25 +100,27 @@ void Volume::growChunk(std::uint32_t chunk, std::uint32_t size) {
   std::uint64_t added = coordinate_bytes - block_buffer_.bytes();
   for (int kind = 0; kind < kinds; ++kind) added += size * kBlockBytes[kind] - pools_[kind][chunk].bytes();
   requireRoom(added);
-  // All new buffers before any old one goes, so that running out of memory changes nothing.
+  // All new buffers, and what fills them, before any old one goes: a failure changes nothing.
+  staging(table_.bytes());
   Buffer coordinates(device_, coordinate_bytes, Memory::Device);
   Buffer table(device_, table_.bytes(), Memory::Device);  // the old one goes on naming slots of the old pools
   std::array<Buffer, 3> grown;
   for (int kind = 0; kind < kinds; ++kind)
     grown[kind] = Buffer(device_, size * kBlockBytes[kind], Memory::Device);
+  const Recorder::Whole whole(recorder_);
   for (int kind = 0; kind < kinds; ++kind) {
     const std::uint64_t kept = pools_[kind][chunk].bytes();
     if (kept) recorder_.copy(pools_[kind][chunk], grown[kind], kept);
     recorder_.fill(grown[kind], kEmptyWord[kind], kept, grown[kind].bytes() - kept);
   }
   if (block_buffer_) recorder_.copy(block_buffer_, coordinates, block_buffer_.bytes());
+  recordTable(table_mirror_, table, request_table_);
   recorder_.submit();
   for (int kind = 0; kind < kinds; ++kind) pools_[kind][chunk] = std::move(grown[kind]);
   block_buffer_ = std::move(coordinates);
   capacity_ = capacity;
   chunks_ = chunk + 1;
   table_ = std::move(table);
-  uploadTable();
 }
 
 void Volume::reserve(std::uint32_t slots) {
@@ -142,34 +145,45 @@ void Volume::reserve(std::uint32_t slots) {
   }
 }
 
-void Volume::uploadLayout() {
+void Volume::recordLayout(glm::ivec3 table_origin, glm::ivec3 table_size, const Buffer& to) {
+  const Recorder::Whole whole(recorder_);
   VolumeLayout layout{};
-  layout.table_origin = glm::ivec4(table_origin_, static_cast<int>(chunk_shift_));
-  layout.table_size = glm::ivec4(table_size_, 0);
+  layout.table_origin = glm::ivec4(table_origin, static_cast<int>(chunk_shift_));
+  layout.table_size = glm::ivec4(table_size, 0);
   layout.scale =
       glm::vec4(options_.voxel_size, 1 / options_.voxel_size, options_.truncation, options_.max_weight);
-  Buffer& stage = staging(sizeof(layout));
-  std::memcpy(stage.as<char>().data(), &layout, sizeof(layout));
-  recorder_.copy(stage, layout_, sizeof(layout));
-  recorder_.submit();
+  if (!layout_staging_) layout_staging_ = Buffer(device_, sizeof(layout), Memory::Upload);
+  std::memcpy(layout_staging_.as<char>().data(), &layout, sizeof(layout));
+  recorder_.copy(layout_staging_, to, sizeof(layout));
 }
 
-void Volume::uploadTable() {
-  const std::uint64_t bytes = 4 * table_mirror_.size();
+void Volume::recordTable(const std::vector<std::uint32_t>& entries, const Buffer& table,
+                         const Buffer& request_table) {
+  const Recorder::Whole whole(recorder_);
+  const std::uint64_t bytes = 4 * entries.size();
   Buffer& stage = staging(bytes);
-  std::memcpy(stage.as<char>().data(), table_mirror_.data(), bytes);
-  recorder_.copy(stage, table_, bytes);
-  recorder_.copy(stage, request_table_, bytes);
-  recorder_.submit();
+  std::memcpy(stage.as<char>().data(), entries.data(), bytes);
+  recorder_.copy(stage, table, bytes);
+  recorder_.copy(stage, request_table, bytes);
 }
 
 void Volume::restore() {
+  stale_ = true;
   const std::uint64_t bytes = sizeof(glm::ivec4) * blocks_.size();
-  Buffer& stage = staging(bytes);
-  std::memcpy(stage.as<char>().data(), blocks_.data(), bytes);
-  recorder_.copy(stage, block_buffer_, bytes);
+  {
+    const Recorder::Whole whole(recorder_);
+    Buffer& stage = staging(bytes);
+    std::memcpy(stage.as<char>().data(), blocks_.data(), bytes);
+    recorder_.copy(stage, block_buffer_, bytes);
+  }
   recorder_.submit();
-  uploadTable();
+  recordTable(table_mirror_, table_, request_table_);
+  recorder_.submit();
+  stale_ = false;
+}
+
+void Volume::settle() {
+  if (stale_) restore();
 }
 
 void Volume::cover(glm::ivec3 min, glm::ivec3 max) {
@@ -192,21 +206,23 @@ void Volume::cover(glm::ivec3 min, glm::ivec3 max) {
   requireExtent(bytes <= device_.info().limits.max_storage_buffer_bytes &&
                 (!device_.info().readsTexels() || bytes / 4 <= device_.info().limits.max_texels));
   requireRoom(2 * (bytes - std::min(bytes, table_.bytes())));
-  staging(bytes);  // like the tables, before anything changes
   Buffer table(device_, bytes, Memory::Device), request_table(device_, bytes, Memory::Device);
   Buffer layout(device_, sizeof(VolumeLayout), Memory::Device);
-  table_mirror_.assign(entriesOf(size), 0);
+  std::vector<std::uint32_t> mirror(entriesOf(size), 0);
   for (std::uint32_t slot = 1; slot < blocks_.size(); ++slot) {
     const glm::ivec3 entry = glm::ivec3(blocks_[slot]) - low;
-    table_mirror_[(std::size_t(entry.z) * size.y + entry.y) * size.x + entry.x] = slot;
+    mirror[(std::size_t(entry.z) * size.y + entry.y) * size.x + entry.x] = slot;
   }
+  const Recorder::Whole whole(recorder_);
+  recordTable(mirror, table, request_table);
+  recordLayout(low, size, layout);
+  recorder_.submit();  // before anything changes
+  table_mirror_ = std::move(mirror);
   table_ = std::move(table);
   request_table_ = std::move(request_table);
   layout_ = std::move(layout);
   table_origin_ = low;
   table_size_ = size;
-  uploadTable();
-  uploadLayout();
 }
 
 void Volume::addBlocks(Recorder& recorder, std::vector<std::uint32_t> entries) {
@@ -239,14 +255,16 @@ void Volume::addBlocks(Recorder& recorder, std::vector<std::uint32_t> entries) {
 }
 
 void Volume::clear() {
+  const Recorder::Whole whole(recorder_);
   for (std::uint32_t chunk = 0; chunk < chunks_; ++chunk)
     for (int kind = 0; kind < (options_.colour ? 3 : 2); ++kind)
       recorder_.fill(pools_[kind][chunk], kEmptyWord[kind], 0, pools_[kind][chunk].bytes());
+  std::vector<std::uint32_t> empty(table_mirror_.size(), 0);
+  recordTable(empty, table_, request_table_);
   recorder_.submit();
   blocks_.resize(1);
   block_count_ = 0;
-  std::fill(table_mirror_.begin(), table_mirror_.end(), 0);
-  uploadTable();
+  table_mirror_ = std::move(empty);
 }
 
 void Volume::visibleBlocks(const glm::mat4& camera_from_world, glm::vec4 focal_centre, glm::ivec4 size,

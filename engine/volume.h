@@ -83,6 +83,8 @@ class Volume : public VolumeView {
   /// Brings the device to what the host knows: takes back kRequested marks that were given no slot, and makes
   /// up for commands of addBlocks() that were discarded.
   void restore();
+  /// Does what a failed restore() could not.
+  void settle();
   /// Forgets all blocks; the pools stay. Views of it read what is fused next.
   void clear();
   /// Slots whose block may be seen by the camera: in front of it, inside its image, nearer than `far`, and
@@ -96,8 +98,9 @@ class Volume : public VolumeView {
  private:
   void reserve(std::uint32_t slots);
   void growChunk(std::uint32_t chunk, std::uint32_t size);
-  void uploadTable();
-  void uploadLayout();
+  void recordTable(const std::vector<std::uint32_t>& entries, const Buffer& table,
+                   const Buffer& request_table);
+  void recordLayout(glm::ivec3 table_origin, glm::ivec3 table_size, const Buffer& to);
   void requireRoom(std::uint64_t bytes) const;
   Buffer& staging(std::uint64_t bytes);
 
@@ -111,7 +114,8 @@ class Volume : public VolumeView {
   std::vector<std::uint32_t> table_mirror_;
   std::vector<glm::ivec4> blocks_;
   TableEntriesPass table_entries_;
-  Buffer request_table_, staging_, coordinates_;
+  Buffer request_table_, staging_, layout_staging_, coordinates_;
+  bool stale_ = false;  ///< restore() was called for, and failed
 };
 
 }  // namespace rosefusion

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -13,6 +12,7 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/validators.h"
 #include "host/core/error.h"
+#include "host/core/file_io.h"
 #include "host/datasets/sequence.h"
 #include "host/evaluation/report_json.h"
 #include "host/evaluation/trajectory_error.h"
@@ -83,9 +83,9 @@ Trajectory readTruth(EvalArguments& arguments) {
 /// The number of frames that `rosefusion run` noted beside its trajectory, or 0.
 std::size_t framesOfReport(const fs::path& estimate) {
   if (estimate.filename() != "trajectory.txt") return 0;
-  std::ifstream in(estimate.parent_path() / "report.json");
-  if (!in) return 0;
-  const auto report = nlohmann::json::parse(in, nullptr, false);
+  const fs::path file = estimate.parent_path() / "report.json";
+  if (std::error_code error; !fs::exists(file, error)) return 0;
+  const auto report = nlohmann::json::parse(readFile(file), nullptr, false);
   if (!report.is_object() || !report.contains("frames") || !report["frames"].is_number_unsigned()) return 0;
   return report["frames"].get<std::size_t>();
 }

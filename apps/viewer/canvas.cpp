@@ -3,6 +3,7 @@
 #include <backends/imgui_impl_vulkan.h>
 #include <imgui.h>
 
+#include <memory>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -43,7 +44,7 @@ VkRenderPass makeRenderPass(VkDevice device) {
 
 }  // namespace
 
-Canvas::Canvas(Gpu& gpu) : gpu_(gpu) {
+Canvas::Canvas(Gpu& gpu) : Canvas(&gpu) {
   render_pass_ = makeRenderPass(gpu.device);
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};  // ImGui's font
   VkDescriptorPoolCreateInfo descriptors{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
@@ -74,6 +75,7 @@ Canvas::Canvas(Gpu& gpu) : gpu_(gpu) {
   init.MinImageCount = init.ImageCount = 2;
   init.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
   init.CheckVkResultFn = check;
+  has_panels_ = true;
   ImGui_ImplVulkan_Init(&init, render_pass_);
   begin();
   ImGui_ImplVulkan_CreateFontsTexture(commands_);
@@ -82,7 +84,8 @@ Canvas::Canvas(Gpu& gpu) : gpu_(gpu) {
 }
 
 Canvas::~Canvas() {
-  ImGui_ImplVulkan_Shutdown();
+  gpu_.waitUntilIdle();
+  if (has_panels_) ImGui_ImplVulkan_Shutdown();
   destroyFramebuffer();
   image_ = {};
   vkDestroyFence(gpu_.device, done_, nullptr);
@@ -163,6 +166,12 @@ void Canvas::save(const std::filesystem::path& png) {
   create.size = bytes;
   create.usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  const std::shared_ptr<void> freed(nullptr, [&](void*) {
+    gpu_.waitUntilIdle();
+    vkDestroyBuffer(gpu_.device, buffer, nullptr);
+    vkFreeMemory(gpu_.device, memory, nullptr);
+  });
   require(vkCreateBuffer(gpu_.device, &create, nullptr, &buffer), "saving the picture");
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(gpu_.device, buffer, &needs);
@@ -170,7 +179,6 @@ void Canvas::save(const std::filesystem::path& png) {
   allocate.allocationSize = needs.size;
   allocate.memoryTypeIndex = gpu_.memoryType(
       needs.memoryTypeBits, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
-  VkDeviceMemory memory = VK_NULL_HANDLE;
   require(vkAllocateMemory(gpu_.device, &allocate, nullptr, &memory), "saving the picture");
   require(vkBindBufferMemory(gpu_.device, buffer, memory, 0), "saving the picture");
   begin();
@@ -189,8 +197,6 @@ void Canvas::save(const std::filesystem::path& png) {
   require(vkMapMemory(gpu_.device, memory, 0, bytes, 0, &pixels), "saving the picture");
   cv::Mat bgr;
   cv::cvtColor(cv::Mat(height(), width(), CV_8UC4, pixels), bgr, cv::COLOR_RGBA2BGR);
-  vkDestroyBuffer(gpu_.device, buffer, nullptr);
-  vkFreeMemory(gpu_.device, memory, nullptr);
   std::vector<std::uint8_t> encoded;
   cv::imencode(".png", bgr, encoded);
   writeFileAtomically(png, {reinterpret_cast<const char*>(encoded.data()), encoded.size()});

@@ -29,6 +29,8 @@ class Canvas {
   void save(const std::filesystem::path& png);
 
  private:
+  // Where an exception ends the other constructor, the destructor cleans up.
+  explicit Canvas(Gpu* gpu) : gpu_(*gpu) {}
   void begin();
   void finish(VkSemaphore wait, VkSemaphore signal);
   void destroyFramebuffer();
@@ -41,6 +43,7 @@ class Canvas {
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkFence done_ = VK_NULL_HANDLE;
+  bool has_panels_ = false;  ///< ImGui's backend was begun
 };
 
 }  // namespace rosefusion::viewer

@@ -37,14 +37,31 @@ VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
 
 void require(VkResult result, const char* doing) {
   if (result == VK_SUCCESS || result == VK_SUBOPTIMAL_KHR) return;
-  const bool memory = result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY;
-  const auto code = memory                           ? DeviceErrorCode::OutOfMemory
-                    : result == VK_ERROR_DEVICE_LOST ? DeviceErrorCode::DeviceLost
-                                                     : DeviceErrorCode::MissingLimit;
-  throw DeviceError(code, "Vulkan failed (" + std::to_string(result) + ") while " + doing + ".");
+  const auto fail = [&](DeviceErrorCode code, const std::string& what, const std::string& remedy) {
+    throw DeviceError(code, what + " while " + doing + "; " + remedy + ".");
+  };
+  switch (result) {
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+    case VK_ERROR_MEMORY_MAP_FAILED:
+    case VK_ERROR_TOO_MANY_OBJECTS:
+    case VK_ERROR_FRAGMENTED_POOL:
+    case VK_ERROR_FRAGMENTATION:
+    case VK_ERROR_OUT_OF_POOL_MEMORY:
+      fail(DeviceErrorCode::OutOfMemory, "Memory is exhausted",
+           "close other programs on the GPU, or make volume.voxel_size larger");
+      break;
+    case VK_ERROR_DEVICE_LOST:
+      fail(DeviceErrorCode::DeviceLost, "The driver lost the device",
+           "look for a GPU reset in the system log and update the driver");
+      break;
+    default:
+      fail(DeviceErrorCode::NoDevice, "The driver failed (VkResult " + std::to_string(result) + ")",
+           "update it, or choose another device with --device ('rosefusion devices' lists them)");
+  }
 }
 
-Gpu::Gpu(const GpuOptions& options) {
+Gpu::Gpu(const GpuOptions& options) : Gpu() {
   makeInstance(options);
   if (options.make_surface) surface = options.make_surface(instance);
   chooseDevice(options);
@@ -52,12 +69,13 @@ Gpu::Gpu(const GpuOptions& options) {
 }
 
 Gpu::~Gpu() {
+  waitUntilIdle();
   if (device) vkDestroyDevice(device, nullptr);
   if (surface) vkDestroySurfaceKHR(instance, surface, nullptr);
   if (messenger_) {
-    const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
+    const auto destroy_messenger = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
         vkGetInstanceProcAddr(instance, "vkDestroyDebugUtilsMessengerEXT"));
-    destroy(instance, messenger_, nullptr);
+    destroy_messenger(instance, messenger_, nullptr);
   }
   if (instance) vkDestroyInstance(instance, nullptr);
 }
@@ -71,9 +89,10 @@ void Gpu::makeInstance(const GpuOptions& options) {
   VkInstanceCreateInfo create{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
   const DeviceRequirements needs = deviceRequirements();
   std::uint32_t count = 0;
-  vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr);
+  require(vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr), "looking for drivers");
   std::vector<VkExtensionProperties> offered(count);
-  vkEnumerateInstanceExtensionProperties(nullptr, &count, offered.data());
+  if (count > 0)
+    require(vkEnumerateInstanceExtensionProperties(nullptr, &count, offered.data()), "looking for drivers");
   for (const VkExtensionProperties& extension : offered)
     if (std::string(extension.extensionName) == needs.instance_extension_where_offered) {
       extensions.push_back(needs.instance_extension_where_offered);
@@ -123,9 +142,10 @@ bool Gpu::findQueue(VkPhysicalDevice candidate, std::uint32_t& family) const {
 
 void Gpu::chooseDevice(const GpuOptions& options) {
   std::uint32_t count = 0;
-  vkEnumeratePhysicalDevices(instance, &count, nullptr);
+  require(vkEnumeratePhysicalDevices(instance, &count, nullptr), "looking for devices");
   std::vector<VkPhysicalDevice> candidates(count);
-  vkEnumeratePhysicalDevices(instance, &count, candidates.data());
+  if (count > 0)
+    require(vkEnumeratePhysicalDevices(instance, &count, candidates.data()), "looking for devices");
   int best = 5;
   std::string reasons;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -168,9 +188,11 @@ void Gpu::makeDevice() {
   queues.queueCount = 1;
   queues.pQueuePriorities = &priority;
   std::uint32_t count = 0;
-  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
+  require(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr), "making the device");
   std::vector<VkExtensionProperties> offered(count);
-  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, offered.data());
+  if (count > 0)
+    require(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, offered.data()),
+            "making the device");
   std::vector<const char*> extensions;
   if (surface) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
   for (const char* name : deviceRequirements().extensions_where_offered)
@@ -197,6 +219,11 @@ CallerDevice Gpu::callerDevice() {
   caller.lock_queue = [this] { queue_mutex.lock(); };
   caller.unlock_queue = [this] { queue_mutex.unlock(); };
   return caller;
+}
+
+void Gpu::waitUntilIdle() {
+  const std::lock_guard lock(queue_mutex);
+  if (queue) (void)vkQueueWaitIdle(queue);  // of a lost device nothing runs any more
 }
 
 void Gpu::submit(const VkSubmitInfo& submission, VkFence fence) {

@@ -34,6 +34,8 @@ class Gpu {
   CallerDevice callerDevice();
   /// Submits to the queue. `fence` is signalled when it has run.
   void submit(const VkSubmitInfo& submission, VkFence fence);
+  /// Before what the device may still use is destroyed. Does not throw.
+  void waitUntilIdle();
   std::uint32_t memoryType(std::uint32_t allowed, VkMemoryPropertyFlags wanted) const;
   /// What the validation layer said, warnings and errors.
   const std::vector<std::string>& validationMessages() const { return messages_; }
@@ -47,6 +49,7 @@ class Gpu {
   std::mutex queue_mutex;
 
  private:
+  Gpu() = default;  // where an exception ends the other constructor, the destructor cleans up
   void makeInstance(const GpuOptions& options);
   void chooseDevice(const GpuOptions& options);
   void makeDevice();

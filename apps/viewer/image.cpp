@@ -4,8 +4,10 @@
 
 namespace rosefusion::viewer {
 
-Image::Image(Gpu& gpu, int width, int height, VkImageUsageFlags usage)
-    : gpu_(&gpu), width_(width), height_(height) {
+Image::Image(Gpu& gpu, int width, int height, VkImageUsageFlags usage) : Image() {
+  gpu_ = &gpu;
+  width_ = width;
+  height_ = height;
   VkImageCreateInfo create{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
   create.imageType = VK_IMAGE_TYPE_2D;
   create.format = kFormat;

@@ -49,6 +49,7 @@ class Viewer {
  public:
   Viewer(const Options& options, Gpu& gpu, Device& device)
       : options_(options),
+        gpu_(gpu),
         session_(device, chosenSettings(options.config, options.assignments), sourceOptions(options)),
         canvas_(gpu),
         scene_(gpu, device) {
@@ -57,6 +58,9 @@ class Viewer {
     state_.headless = options.headless;
     if (!options.source.empty()) session_.open(options.source);
   }
+
+  ~Viewer() { gpu_.waitUntilIdle(); }  // else what is drawn last may still be read when a part goes
+  Viewer(const Viewer&) = delete;
 
   Canvas& canvas() { return canvas_; }
   Session& session() { return session_; }
@@ -115,6 +119,7 @@ class Viewer {
   }
 
   const Options& options_;
+  Gpu& gpu_;
   Session session_;
   Canvas canvas_;
   Scene scene_;
@@ -132,14 +137,15 @@ void runHeadless(const Options& o) {
   Viewer viewer(o, gpu, device);
   for (std::size_t i = 0; i < o.after_frames; ++i) viewer.session().step();
   viewer.session().waitUntilIdle();
+  const Snapshot end = viewer.session().snapshot();
+  if (end.phase == Phase::Failed) std::rethrow_exception(end.failure);
   viewer.canvas().resize(o.width, o.height);
   ImGui::GetIO().DisplaySize = {float(o.width), float(o.height)};
   // ImGui knows the sizes of some things only from the frame before.
   for (int i = 0; i < 3; ++i)
     viewer.frame(0, true, [&](const auto& beneath) { viewer.canvas().draw(beneath); });
   viewer.canvas().save(o.screenshot);
-  const Snapshot end = viewer.session().snapshot();
-  if (end.phase == Phase::Failed) throw InputError(end.message);
+  if (end.failure) std::rethrow_exception(end.failure);
   if (!gpu.validationMessages().empty())
     throw std::runtime_error("The validation layer complained; see above.");
   std::printf("%s: after %zu frames\n", o.screenshot.c_str(), end.frames);

@@ -131,9 +131,11 @@ void Session::carryOut(const std::function<void()>& action) {
   try {
     action();
   } catch (const DeviceError& error) {
+    update([](Snapshot& s) { s.failure = std::current_exception(); });
     finish(error.code() == DeviceErrorCode::OutOfMemory ? Phase::Finished : Phase::Failed, error.what(),
            true);
   } catch (const std::exception& error) {
+    update([](Snapshot& s) { s.failure = std::current_exception(); });
     // A model that is there stays: only a source that could not be opened leaves nothing to show.
     if (pipeline_)
       say(error.what(), true);

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <mutex>
 #include <opencv2/core/mat.hpp>
@@ -38,9 +39,10 @@ struct PathPoint {
 /// What there is to show. Copies are cheap: what is large is shared and never changed.
 struct Snapshot {
   Phase phase = Phase::Empty;
-  std::string source;    ///< as it was opened
-  std::string message;   ///< the last thing that happened: a sentence
-  bool problem = false;  ///< whether `message` is bad news
+  std::string source;          ///< as it was opened
+  std::string message;         ///< the last thing that happened: a sentence
+  bool problem = false;        ///< whether `message` is bad news
+  std::exception_ptr failure;  ///< what ended a command, since the source was opened; null: nothing did
   std::size_t frames = 0, expected = 0, dropped = 0;
   std::uint64_t generation = 0;  ///< counts the models begun
   std::optional<FrameResult> last;

@@ -1,7 +1,6 @@
 #include "host/core/file_io.h"
 
 #include <cerrno>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <string>
@@ -39,8 +38,7 @@ void makeParent(const fs::path& file) {
 }
 
 [[noreturn]] void failToWrite(const fs::path& file, int code) {
-  // A write that took less than it was given need not say why.
-  throw InputError(file.string() + ": cannot be written (" + std::strerror(code ? code : EIO) +
+  throw InputError(file.string() + ": cannot be written (" + std::strerror(code) +
                    "); free some space or choose another output folder.");
 }
 
@@ -52,10 +50,16 @@ void requireWritable(const fs::path& file) {
   if (fs::is_directory(file, error)) failToWrite(file, EISDIR);
   if (isSpecial(file)) return;
   const fs::path temporary = temporaryFor(file);
-  std::FILE* out = std::fopen(temporary.string().c_str(), "wb");
-  if (!out) failToWrite(file, errno);
-  std::fclose(out);
+  if (const int code = writeBytes(temporary, "")) failToWrite(file, code);
   fs::remove(temporary, error);
+}
+
+std::string readFile(const fs::path& file) {
+  std::string bytes;
+  if (const int code = readBytes(file, bytes))
+    throw InputError(file.string() + ": cannot be read (" + std::strerror(code) +
+                     "); check its name, its permissions and the disk.");
+  return bytes;
 }
 
 void writeFileAtomically(const fs::path& named, std::string_view bytes) {
@@ -69,13 +73,7 @@ void writeFileAtomically(const fs::path& named, std::string_view bytes) {
     if (!special) fs::remove(temporary, error);
     failToWrite(named, code);
   };
-  std::FILE* out = std::fopen(temporary.string().c_str(), "wb");
-  if (!out) fail(errno);
-  const bool wrote = std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size() && std::fflush(out) == 0;
-  const int write_error = errno;
-  const bool closed = std::fclose(out) == 0;
-  if (!wrote) fail(write_error);
-  if (!closed) fail(errno);
+  if (const int code = writeBytes(temporary, bytes)) fail(code);
   if (special) return;
   fs::rename(temporary, file, error);
   if (error) fail(error.value());

@@ -13,6 +13,9 @@ namespace rosefusion {
 /// such as a full disk) and removes the temporary file on failure.
 void writeFileAtomically(const std::filesystem::path& file, std::string_view bytes);
 
+/// All bytes of a file. Throws InputError, with the system's reason, when not all of them can be read.
+std::string readFile(const std::filesystem::path& file);
+
 /// Throws what writeFileAtomically would for want of a folder or of permission, before long work; leaves
 /// `file` as it is.
 void requireWritable(const std::filesystem::path& file);

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace rosefusion {
@@ -20,6 +21,13 @@ double processorSeconds();
 /// Makes a folder named `beginning` and something random, which only this user may enter. Empty when it
 /// cannot.
 std::filesystem::path makeUniqueFolder(const std::filesystem::path& beginning);
+
+/// Makes or empties `file` and writes all of `bytes`, however often the system interrupts it or takes less
+/// than it is given. The system's error code, 0 when all has gone well.
+int writeBytes(const std::filesystem::path& file, std::string_view bytes);
+
+/// Appends all of a file to `bytes`, as writeBytes() writes.
+int readBytes(const std::filesystem::path& file, std::string& bytes);
 
 /// Runs a program found along PATH, its output appended to `log`, and waits for its end: the exit status, 1
 /// when it was killed, 127 when there is no such program.

@@ -38,6 +38,49 @@ std::filesystem::path makeUniqueFolder(const std::filesystem::path& beginning) {
   return mkdtemp(pattern.data()) ? std::filesystem::path(pattern) : std::filesystem::path();
 }
 
+namespace {
+
+/// `call` again and again while a signal interrupts it.
+template <typename Call>
+auto uninterrupted(Call call) {
+  decltype(call()) result;
+  do {
+    result = call();
+  } while (result < 0 && errno == EINTR);
+  return result;
+}
+
+}  // namespace
+
+int writeBytes(const std::filesystem::path& file, std::string_view bytes) {
+  const int out =
+      uninterrupted([&] { return open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666); });
+  if (out < 0) return errno;
+  int error = 0;
+  while (!bytes.empty() && !error) {
+    const ssize_t written = uninterrupted([&] { return write(out, bytes.data(), bytes.size()); });
+    if (written > 0)
+      bytes.remove_prefix(static_cast<std::size_t>(written));
+    else
+      error = written < 0 ? errno : EIO;
+  }
+  // Interrupted or not, it is closed; some disks tell only now that they are full.
+  if (close(out) < 0 && errno != EINTR && !error) error = errno;
+  return error;
+}
+
+int readBytes(const std::filesystem::path& file, std::string& bytes) {
+  const int in = uninterrupted([&] { return open(file.c_str(), O_RDONLY | O_CLOEXEC); });
+  if (in < 0) return errno;
+  std::vector<char> chunk(1 << 16);
+  ssize_t got = 0;
+  while ((got = uninterrupted([&] { return read(in, chunk.data(), chunk.size()); })) > 0)
+    bytes.append(chunk.data(), static_cast<std::size_t>(got));
+  const int error = got < 0 ? errno : 0;
+  close(in);
+  return error;
+}
+
 int runProgram(const std::vector<std::string>& program_and_arguments, const std::filesystem::path& log) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);

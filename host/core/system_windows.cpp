@@ -6,6 +6,7 @@
 #include <io.h>
 #include <windows.h>
 
+#include <cerrno>
 #include <random>
 
 #include "host/core/system.h"
@@ -55,6 +56,28 @@ std::filesystem::path makeUniqueFolder(const std::filesystem::path& beginning) {
     if (error) break;
   }
   return {};
+}
+
+int writeBytes(const std::filesystem::path& file, std::string_view bytes) {
+  std::FILE* out = _wfopen(file.c_str(), L"wb");
+  if (!out) return errno;
+  int error = 0;
+  errno = 0;
+  if (std::fwrite(bytes.data(), 1, bytes.size(), out) != bytes.size() || std::fflush(out) != 0)
+    error = errno ? errno : EIO;
+  if (std::fclose(out) != 0 && !error) error = errno;
+  return error;
+}
+
+int readBytes(const std::filesystem::path& file, std::string& bytes) {
+  std::FILE* in = _wfopen(file.c_str(), L"rb");
+  if (!in) return errno;
+  std::vector<char> chunk(1 << 16);
+  std::size_t got = 0;
+  while ((got = std::fread(chunk.data(), 1, chunk.size(), in)) > 0) bytes.append(chunk.data(), got);
+  const int error = std::ferror(in) ? EIO : 0;
+  std::fclose(in);
+  return error;
 }
 
 int runProgram(const std::vector<std::string>& program_and_arguments, const std::filesystem::path& log) {

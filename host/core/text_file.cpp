@@ -1,10 +1,9 @@
 #include "host/core/text_file.h"
 
 #include <cstdint>
-#include <fstream>
-#include <sstream>
 
 #include "host/core/error.h"
+#include "host/core/file_io.h"
 
 namespace rosefusion {
 namespace {
@@ -67,13 +66,9 @@ std::string readTextFile(const std::filesystem::path& file) {
   std::error_code unknown;
   if (std::filesystem::is_directory(file, unknown))
     throw InputError(file.string() + ": is a folder where a text file is expected; give the file.");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw InputError(file.string() + ": cannot be opened; check that it is a readable file.");
-  std::ostringstream read;
-  read << in.rdbuf();
   std::string text;
   bool after_return = false;
-  for (const char c : toUtf8(std::move(read).str())) {
+  for (const char c : toUtf8(readFile(file))) {
     if (!(c == '\n' && after_return)) text += c == '\r' ? '\n' : c;
     after_return = c == '\r';
   }

@@ -1,11 +1,12 @@
 #include "host/datasets/image_file.h"
 
 #include <algorithm>
-#include <fstream>
+#include <cerrno>
+#include <cstring>
 #include <opencv2/imgcodecs.hpp>
-#include <sstream>
 #include <string_view>
 
+#include "host/core/system.h"
 #include "host/datasets/npy.h"
 
 namespace rosefusion::datasets {
@@ -52,21 +53,15 @@ bool decode(const std::filesystem::path& file, int flags, cv::Mat& image, std::s
     problem = file.string() + ": is a folder, and cannot be read as an image; name the images in it.";
     return false;
   }
-  std::ifstream in(file, std::ios::binary);
-  if (!in) {
+  std::string bytes;
+  if (const int code = readBytes(file, bytes)) {
     problem = file.string() + ": " +
-              (std::filesystem::exists(file) ? "the file cannot be opened." : "the file is missing.");
+              (code == ENOENT ? "the file is missing."
+                              : std::string("the file cannot be read (") + std::strerror(code) + ").");
     return false;
   }
-  // Not by iterators, which throw where the disk cannot be read.
-  std::ostringstream read;
-  read << in.rdbuf();
-  std::string bytes = std::move(read).str();
   if (bytes.empty()) {
-    std::error_code error;
-    const bool is_empty = std::filesystem::file_size(file, error) == 0 && !error;
-    problem = file.string() + (is_empty ? ": the file is empty" : ": cannot be read") +
-              "; copy or download it again.";
+    problem = file.string() + ": the file is empty; copy or download it again.";
     return false;
   }
   if (const std::string what = whatItIs(bytes); !what.empty()) {

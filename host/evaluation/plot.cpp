@@ -1,7 +1,5 @@
 #include "host/evaluation/plot.h"
 
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <stdexcept>
 
@@ -16,13 +14,13 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string contents(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+  std::string bytes;
+  if (readBytes(file, bytes)) bytes.clear();
+  return bytes;
 }
 
 void write(const fs::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  if (!(out << text << std::flush))
+  if (writeBytes(file, text))
     throw InputError(file.string() +
                      ": cannot be written; free some space or point TMPDIR to another folder.");
 }

@@ -4,12 +4,11 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <string>
 
 #include "host/core/error.h"
+#include "host/core/file_io.h"
 #include "host/core/number_text.h"
 
 namespace rosefusion {
@@ -40,11 +39,7 @@ Type typeNamed(const std::string& name) {
 
 class PlyReader {
  public:
-  explicit PlyReader(const std::filesystem::path& file) : name_(file.string()) {
-    std::ifstream in(file, std::ios::binary);
-    if (!in) throw InputError(name_ + ": cannot be opened; check the name and its permissions.");
-    bytes_.assign(std::istreambuf_iterator<char>(in), {});
-  }
+  explicit PlyReader(const std::filesystem::path& file) : name_(file.string()) { bytes_ = readFile(file); }
 
   TriangleMesh read() {
     readHeader();

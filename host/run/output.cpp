@@ -2,12 +2,13 @@
 
 #include <spdlog/spdlog.h>
 
-#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "host/core/error.h"
 #include "host/core/file_io.h"
+#include "host/core/system.h"
 #include "host/export/mesh_io.h"
 #include "host/run/likely_cause.h"
 #include "host/run/preview.h"
@@ -28,18 +29,21 @@ OutputFolder::OutputFolder(const std::filesystem::path& folder) : folder_(folder
 }
 
 std::string OutputFolder::resultOf() const {
-  std::ifstream in(folder_ / "report.json");
-  const auto report = nlohmann::json::parse(in, nullptr, false);
+  std::string bytes;
+  if (readBytes(folder_ / "report.json", bytes)) return "";
+  const auto report = nlohmann::json::parse(bytes, nullptr, false);
   const nlohmann::json::json_pointer key("/sequence/path");
   return report.contains(key) && report[key].is_string() ? report[key].get<std::string>() : "";
 }
 
 void OutputFolder::removeEarlier() const {
-  for (const char* file : kOutputFiles) {
+  // The report first: while it is there, it says that all the others are.
+  for (auto file = std::rbegin(kOutputFiles); file != std::rend(kOutputFiles); ++file) {
     std::error_code error;
-    std::filesystem::remove(folder_ / file, error);
+    std::filesystem::remove(folder_ / (std::string(*file) + ".part"), error);  // of a run that was killed
+    std::filesystem::remove(folder_ / *file, error);
     if (error)
-      throw InputError((folder_ / file).string() + ": cannot be replaced (" + error.message() +
+      throw InputError((folder_ / *file).string() + ": cannot be replaced (" + error.message() +
                        "); choose another folder with --out.");
   }
 }

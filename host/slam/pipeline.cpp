@@ -210,11 +210,15 @@ void Pipeline::report(const FrameEvidence& evidence, const Decision& decision, F
 
 void Pipeline::integrate(FrameResult& result) {
   const StageTimer timer(result.milliseconds.integrate);
-  fuser_.fuse(recorder_, map_.volume, result.world_from_camera);
+  fuse(result.world_from_camera);
   if (result.fit) inlier_statistics_.add(*result.fit);
-  const std::size_t number = map_.trajectory.size();
-  map_.keyframes.setLast(metres_, result.world_from_camera, number);
-  if (becomesKeyframe(result.world_from_camera)) map_.coarse.add(fuser_, recorder_, result.world_from_camera);
+  map_.keyframes.setLast(metres_, result.world_from_camera, map_.trajectory.size());
+}
+
+/// Into the model last: what fails before can be tried again, and no frame is in it twice.
+void Pipeline::fuse(const Pose& world_from_camera) {
+  if (becomesKeyframe(world_from_camera)) map_.coarse.add(fuser_, recorder_, world_from_camera);
+  fuser_.fuse(recorder_, map_.volume, world_from_camera);
 }
 
 void Pipeline::closeLoops(const Frame& frame, FrameResult& result) {
@@ -252,8 +256,9 @@ void Pipeline::fuseFrame(const Frame& frame, const Pose& world_from_camera) {
   requireFixedPoses();
   fuser_.recordFrame(recorder_, frame);
   recorder_.submit();
-  fuser_.fuse(recorder_, map_.volume, world_from_camera);
-  accept(world_from_camera, frame.timestamp, frame.depth);
+  metres_ = depthInMetres(frame.depth, settings_.depth, depth_units_per_metre_);
+  fuse(world_from_camera);
+  goOnFrom(world_from_camera, frame.timestamp);
 }
 
 FrameIntegrator Pipeline::makeFuser() {
@@ -269,15 +274,19 @@ void Pipeline::requireFixedPoses() const {
 
 void Pipeline::accept(const Pose& world_from_camera, double timestamp, const cv::Mat& depth) {
   metres_ = depth.empty() ? depth : depthInMetres(depth, settings_.depth, depth_units_per_metre_);
+  if (becomesKeyframe(world_from_camera) && !depth.empty()) {
+    fuser_.recordFrame(recorder_, Frame{timestamp, depth, {}, {}});
+    recorder_.submit();
+    map_.coarse.add(fuser_, recorder_, world_from_camera);
+  }
+  goOnFrom(world_from_camera, timestamp);
+}
+
+void Pipeline::goOnFrom(const Pose& world_from_camera, double timestamp) {
   start_.settle();
   state_ = accepted(state_, world_from_camera, timestamp);
-  if (!depth.empty()) map_.keyframes.setLast(metres_, world_from_camera, map_.trajectory.size());
-  const bool keyframe = becomesKeyframe(world_from_camera);
+  if (!metres_.empty()) map_.keyframes.setLast(metres_, world_from_camera, map_.trajectory.size());
   map_.trajectory.push_back({timestamp, world_from_camera});
-  if (!keyframe || depth.empty()) return;
-  fuser_.recordFrame(recorder_, Frame{timestamp, depth, {}, {}});
-  recorder_.submit();
-  map_.coarse.add(fuser_, recorder_, world_from_camera);
 }
 
 }  // namespace rosefusion

@@ -95,6 +95,9 @@ class Pipeline {
   FrameEvidence examine(const Frame& frame, FrameResult& result);
   void report(const FrameEvidence& evidence, const Decision& decision, FrameResult& result);
   void integrate(FrameResult& result);
+  void fuse(const Pose& world_from_camera);
+  /// Tracking, after a frame of known pose was fused.
+  void goOnFrom(const Pose& world_from_camera, double timestamp);
   void closeLoops(const Frame& frame, FrameResult& result);
   /// Fit of the frame at a pose, over the overlap with the last one.
   void recordScore(const Pose& world_from_camera);

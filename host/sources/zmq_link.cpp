@@ -8,12 +8,13 @@
 #endif
 
 #include <array>
-#include <fstream>
 #include <random>
+#include <sstream>
 
 #include "host/core/error.h"
 #include "host/core/file_io.h"
 #include "host/core/system.h"
+#include "host/core/text_file.h"
 #include "host/sources/wire.h"
 
 namespace rosefusion {
@@ -23,7 +24,7 @@ constexpr std::size_t kKeyText = 40;  // characters of Z85 for 32 bytes
 using KeyText = std::array<char, kKeyText + 1>;
 
 std::vector<std::string> readKeyFile(const std::filesystem::path& file) {
-  std::ifstream in(file);
+  std::istringstream in(readTextFile(file));
   std::vector<std::string> keys;
   std::array<std::uint8_t, 32> ignored;
   for (std::string line; std::getline(in, line);) {

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <fstream>
-#include <iterator>
+#include <cstring>
 #include <string>
 #include <string_view>
 
 #include "host/core/error.h"
 #include "host/core/file_io.h"
+#include "host/core/system.h"
 
 namespace rosefusion {
 namespace {
@@ -58,15 +58,6 @@ class Reader {
   std::string file_;
 };
 
-std::string readBytes(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(file))
-    throw InputError(
-        file.string() +
-        ": there is no readable swarm template file; write one with 'rosefusion pst --out FILE'.");
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 SwarmTemplate readTemplate(Reader& reader, int size) {
   SwarmTemplate swarm_template;
   swarm_template.radius = std::bit_cast<double>(reader.take<uint64_t>());
@@ -101,7 +92,10 @@ void writeTemplates(const std::filesystem::path& file, const TemplateSet& set) {
 }
 
 TemplateSet readTemplates(const std::filesystem::path& file) {
-  const std::string bytes = readBytes(file);
+  std::string bytes;
+  if (const int code = readBytes(file, bytes))
+    throw InputError(file.string() + ": there is no readable swarm template file (" + std::strerror(code) +
+                     "); write one with 'rosefusion pst --out FILE'.");
   const std::string_view all(bytes);
   Reader reader(all.substr(std::min(kMagic.size(), all.size())), file.string());
   if (all.substr(0, kMagic.size()) != kMagic) reader.fail("does not start like one");

@@ -57,10 +57,54 @@ const char* nameOf(Motion motion) {
   return "6d";
 }
 
-/// Where a sequence is made before it gets its name, marked as ours to delete.
+/// Where a sequence is made before it gets its name, and where the one that it replaces goes. Each is marked
+/// as ours to delete, as long as anything is in it.
 constexpr const char* kPartMark = ".rosefusion-part";
 fs::path partOf(fs::path folder) {
   return folder += ".part";
+}
+fs::path replacedOf(fs::path folder) {
+  return folder += ".replaced.part";
+}
+
+bool isOurs(const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder / kPartMark, error)) return true;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+    if (!entry.path().filename().string().starts_with(kPartMark))
+      return false;  // the mark itself may be unfinished
+  return !error;
+}
+
+/// The mark goes last: what is left by a process that is killed meanwhile is still ours.
+void removeOurs(const fs::path& folder) {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+    if (entry.path().filename() != kPartMark) fs::remove_all(entry.path(), error);
+  fs::remove_all(folder, error);
+}
+
+/// `part`, which is whole, gets its name. At every moment what has the name is whole.
+void takePlace(const fs::path& part, const fs::path& folder) {
+  const fs::path replaced = replacedOf(folder);
+  std::error_code error;
+  fs::remove(folder, error);  // empty, or a link
+  const bool replaces = fs::exists(folder, error);
+  if (replaces) {
+    writeFileAtomically(replaced / kPartMark, "");
+    fs::rename(folder, replaced / "sequence", error);
+  }
+  if (!error) fs::rename(part, folder, error);
+  if (error) {
+    const std::string reason = error.message();
+    if (replaces && !fs::exists(folder, error)) fs::rename(replaced / "sequence", folder, error);
+    removeOurs(replaced);
+    fs::remove(part / kPartMark, error);
+    throw InputError(folder.string() + ": cannot be replaced (" + reason + "); the sequence is in " +
+                     part.string() + ".");
+  }
+  fs::remove(folder / kPartMark, error);
+  removeOurs(replaced);
 }
 
 }  // namespace
@@ -68,11 +112,11 @@ fs::path partOf(fs::path folder) {
 void requireUsableOutput(const fs::path& folder, bool force) {
   if (folder.empty()) throw InputError("The sequence's folder has no name; give one.");
   std::error_code error;
-  const fs::path part = partOf(settledPath(folder));
-  if (fs::exists(part, error) && !fs::exists(part / kPartMark, error))
-    throw InputError(part.string() +
-                     ": is in the way and was not left by an interrupted run; move it, or give "
-                     "another folder.");
+  for (const fs::path& part : {partOf(settledPath(folder)), replacedOf(settledPath(folder))})
+    if (fs::exists(part, error) && !isOurs(part))
+      throw InputError(part.string() +
+                       ": is in the way and was not left by an interrupted run; move it, or give "
+                       "another folder.");
   if (!fs::exists(folder, error)) return;
   if (!fs::is_directory(folder, error))
     throw InputError(folder.string() + ": is a file; give the name of a folder for the sequence.");
@@ -141,8 +185,8 @@ void writeTumSequence(const fs::path& out, const SynthPlan& plan, bool force,
   const fs::path folder = settledPath(out);
   requireUsableOutput(folder, force);
   const fs::path part = partOf(folder);
-  std::error_code error;
-  fs::remove_all(part, error);
+  removeOurs(part);
+  removeOurs(replacedOf(folder));
   writeFileAtomically(part / kPartMark, "");
 
   const SynthOptions& options = plan.options();
@@ -169,15 +213,10 @@ void writeTumSequence(const fs::path& out, const SynthPlan& plan, bool force,
     writePly(part / "mesh_seen.ply", seenPart(plan.scene().mesh, seen));
     writeFileAtomically(part / "synth.json", synthReport(plan));
   } catch (...) {
-    fs::remove_all(part, error);
+    removeOurs(part);
     throw;
   }
-  fs::remove_all(folder, error);
-  fs::remove(part / kPartMark, error);
-  fs::rename(part, folder, error);
-  if (error)
-    throw InputError(folder.string() + ": cannot be replaced (" + error.message() + "); the sequence is in " +
-                     part.string() + ".");
+  takePlace(part, folder);
 }
 
 }  // namespace rosefusion

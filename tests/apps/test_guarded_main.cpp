@@ -25,6 +25,9 @@ TEST(GuardedMain, TellsDefectsFromBadInputAndDevices) {
   EXPECT_EQ(codeOf("device", DeviceError(DeviceErrorCode::DeviceLost, "gone")), kExitDevice);
   EXPECT_EQ(codeOf("defect", DeviceError(DeviceErrorCode::Programming, "misused")), kExitFailure);
   EXPECT_EQ(codeOf("other", std::runtime_error("unforeseen")), kExitFailure);
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(guardedMain("memory", []() -> int { throw std::bad_alloc(); }), kExitFailure);
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), ::testing::HasSubstr("memory is exhausted; close"));
 }
 
 }  // namespace test_guarded_main

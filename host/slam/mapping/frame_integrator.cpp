@@ -66,15 +66,16 @@ void FrameIntegrator::recordFusion(Recorder& recorder, const Volume& volume, con
 }
 
 void FrameIntegrator::fuse(Recorder& recorder, Volume& volume, const Pose& world_from_camera) {
-  do {
-    recordSearch(recorder, volume, world_from_camera);
-    recorder.submit();
-  } while (grow(recorder, volume));
+  volume.settle();
   try {
+    do {
+      recordSearch(recorder, volume, world_from_camera);
+      recorder.submit();
+    } while (grow(recorder, volume));
     recordFusion(recorder, volume, world_from_camera);
     recorder.start();
   } catch (...) {
-    volume.restore();  // what grow() recorded is gone
+    volume.restore();  // what grow() recorded is gone, or requests of a search that ran unseen stay marked
     throw;
   }
 }

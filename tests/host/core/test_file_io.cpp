@@ -81,6 +81,17 @@ TEST(WriteFileAtomically, ALinksTargetIsReplacedAndADeviceIsWrittenTo) {
   EXPECT_EQ(folder.entries(), 3u);
 }
 
+TEST(ReadFile, GivesAllBytesOrSaysWhyNot) {
+  const TemporaryFolder folder;
+  const std::string bytes = std::string(1 << 17, 'x') + std::string("\0\r\n", 3);
+  EXPECT_EQ(readFile(folder.write("file", bytes)), bytes);
+  EXPECT_THAT(inputErrorOf([&] { readFile(folder / "absent"); }), HasSubstr("No such file"));
+  EXPECT_THAT(inputErrorOf([&] { readFile(folder.path()); }), HasSubstr("Is a directory"));
+  // A disk that fails halfway.
+  if (fs::exists("/proc/self/mem"))
+    EXPECT_THAT(inputErrorOf([] { readFile("/proc/self/mem"); }), HasSubstr("Input/output error"));
+}
+
 TEST(RequireWritable, TellsEarlyAndChangesNothing) {
   const TemporaryFolder folder;
   const fs::path file = folder.write("plain", "x");

@@ -151,6 +151,18 @@ TEST_F(RunTest, OldResultsAreRemovedFirst) {
   EXPECT_EQ(out.resultOf(), "");
 }
 
+TEST_F(RunTest, TheReportGoesFirstForItSaysThatTheOthersAreThere) {
+  const fs::path stuck = folder_ / "out" / "trajectory.txt";
+  fs::create_directories(stuck);
+  std::ofstream(stuck / "in the way") << "x";
+  std::ofstream(folder_ / "out" / "report.json") << "old";
+  std::ofstream(folder_ / "out" / "mesh.ply.part") << "of a killed run";
+  EXPECT_THAT(inputErrorOf([&] { OutputFolder(folder_ / "out").removeEarlier(); }),
+              HasSubstr("trajectory.txt"));
+  EXPECT_FALSE(fs::exists(folder_ / "out" / "report.json"));
+  EXPECT_FALSE(fs::exists(folder_ / "out" / "mesh.ply.part"));
+}
+
 TEST_F(RunTest, AModelWithoutSurfaceStillGivesTheOtherFiles) {
   const auto sequence = openSequence(sequenceFolder());
   const OutputFolder folder(folder_ / "out");

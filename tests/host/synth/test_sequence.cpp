@@ -212,6 +212,22 @@ TEST_F(Folder, WhatOnlyLooksLikeALeftoverIsKept) {
   EXPECT_NE(complaintFor(""), "");
 }
 
+TEST_F(Folder, WhatAKilledRunLeftIsReplacedAtWhateverMomentItWas) {
+  const SynthPlan plan(smallOptions(2, 4));
+  fs::create_directories(root_ / "out.part" / "depth");
+  std::ofstream(root_ / "out.part" / ".rosefusion-part") << "";
+  EXPECT_EQ(complaintFor(root_ / "out"), "");
+  fs::remove_all(root_ / "out.part");
+  fs::create_directories(root_ / "out.part");  // before it was marked
+  std::ofstream(root_ / "out.part" / ".rosefusion-part.part") << "";
+  fs::create_directories(root_ / "out.replaced.part" / "sequence");  // and between an old name and a new one
+  std::ofstream(root_ / "out.replaced.part" / ".rosefusion-part") << "";
+  writeTumSequence(root_ / "out", plan, false);
+  EXPECT_TRUE(fs::exists(root_ / "out" / "synth.json"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(root_), {}), 1);
+  EXPECT_FALSE(fs::exists(root_ / "out" / ".rosefusion-part"));
+}
+
 TEST_F(Folder, LeavesNothingBehindWhenWritingFails) {
   const SynthPlan plan(smallOptions(4, 4));
   std::ofstream(root_ / "file") << "x";
