@@ -1,4 +1,4 @@
-// What --config and --set ask of the reconstruction.
+// What --config, --sensor and --set ask of the reconstruction.
 #pragma once
 #include <string>
 #include <vector>
@@ -7,8 +7,10 @@
 
 namespace rosefusion {
 
-/// A preset or file with assignments ("key=value") over it; old names of settings are told of on standard
-/// error. Throws InputError, also for settings that do not go together.
-Settings chosenSettings(const std::string& config, const std::vector<std::string>& assignments);
+/// A preset or file with a sensor's noise (depth.sensor, where one is named) and assignments ("key=value")
+/// over it; old names of settings are told of on standard error. Throws InputError, also for settings that do
+/// not go together.
+Settings chosenSettings(const std::string& config, const std::vector<std::string>& assignments,
+                        const std::string& sensor = {});
 
 }  // namespace rosefusion

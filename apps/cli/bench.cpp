@@ -15,6 +15,7 @@
 #include "apps/cli/validators.h"
 #include "host/bench/network_bench.h"
 #include "host/bench/pass_bench.h"
+#include "host/bench/sensor_suite.h"
 #include "host/bench/tracking_suite.h"
 #include "host/core/error.h"
 #include "host/settings/automatic.h"
@@ -35,9 +36,16 @@ struct BenchArguments {
   double max_speed = SynthOptions{}.linear.high;
   double max_angular = SynthOptions{}.angular.high;
   std::string noise = "handa";
+  SensorSuiteOptions sensors;
   std::vector<std::string> disturbances;
   std::map<std::string, std::vector<CLI::Option*>> of_suite;  // options that not every suite knows
 };
+
+std::string settingsName(const BenchArguments& o) {
+  std::string name = o.config;
+  for (const std::string& assignment : o.assignments) name += " " + assignment;
+  return name;
+}
 
 Settings settingsFor(const BenchArguments& o) {
   std::vector<std::string> assignments = o.assignments;
@@ -62,8 +70,7 @@ void benchPassesOf(BenchArguments& o) {
 void benchTracking(BenchArguments& o) {
   TrackingSuiteOptions& t = o.tracking;
   t.settings = settingsFor(o);
-  t.settings_name = o.config;
-  for (const std::string& assignment : o.assignments) t.settings_name += " " + assignment;
+  t.settings_name = settingsName(o);
   t.first_seed = o.seed.value_or(t.first_seed);
   t.synth.frames = o.frames.value_or(t.synth.frames);
   t.synth.linear = t.synth.linear.endingAt(o.max_speed);
@@ -93,6 +100,34 @@ void benchTracking(BenchArguments& o) {
   throw ExitCode(kExitInterrupted);
 }
 
+void benchSensors(BenchArguments& o) {
+  SensorSuiteOptions& s = o.sensors;
+  s.settings = chosenSettings(o.config, o.assignments);
+  s.settings_name = settingsName(o);
+  s.seed = o.seed.value_or(s.seed);
+  s.frames = o.frames.value_or(s.frames);
+  s.work = o.tracking.work;
+  if (o.of_suite["sensors"].front()->count() > 0) s.max_speed = o.max_speed;
+  Device device({o.device, false});
+  std::FILE* out = o.json == "-" ? stderr : stdout;
+  const auto say = [&](const std::string& text) {
+    std::fputs(text.c_str(), out);
+    std::fflush(out);
+  };
+  catchInterrupts();
+  bool any = false;
+  const SensorReport report = trackSensors(
+      device, s,
+      [&](const SensorRow& row) {
+        say((any ? "" : sensorHead(device.info())) + sensorRow(row));
+        any = true;
+      },
+      interrupted);
+  if (any) say(sensorSummary(report));
+  writeJson(o.json, sensorJson(report).dump(2));
+  if (report.interrupted) throw ExitCode(kExitInterrupted);
+}
+
 void benchNetworkOf(BenchArguments& o) {
   if (o.tracking.sequences.size() != 1)
     throw InputError("--suite network sends one recorded sequence; name it with --sequence.");
@@ -111,6 +146,7 @@ void bench(BenchArguments& o) {
                          "; leave it out, or choose --suite " + suite + ".");
   requireWritableJson(o.json);
   if (o.suite == "network") return benchNetworkOf(o);
+  if (o.suite == "sensors") return benchSensors(o);
   o.suite == "tracking" ? benchTracking(o) : benchPassesOf(o);
 }
 
@@ -156,6 +192,15 @@ void addTrackingOptions(CLI::App& c, BenchArguments& o) {
       c.add_option("--work", t.work,
                    "Keep the generated sequences here and use them again; else they are removed as it goes")};
   for (CLI::Option* option : options) option->group("--suite tracking");
+  o.of_suite["sensors"] = {
+      c.get_option("--max-speed"), c.get_option("--work"),
+      c.add_option("--sensor", o.sensors.sensors,
+                   "One of the cameras of 'rosefusion synth', may be repeated [all]")
+          ->allow_extra_args(false)
+          ->group("--suite sensors"),
+      c.add_option("--scene", o.sensors.scenes, "room, desk or object, may be repeated [all]")
+          ->allow_extra_args(false)
+          ->group("--suite sensors")};
   o.of_suite["network"] = {c.get_option("--sequence")};
 }
 
@@ -168,9 +213,10 @@ void addBenchCommand(CLI::App& app) {
       "Time the passes beside a tuned CPU loop over the same data, or measure how accurate tracking is over "
       "many sequences, or what a network stream costs");
   c->add_option("--suite", o->suite,
-                "What to measure: passes (each compute pass on its own), tracking (errors over sequences) or "
-                "network (milliseconds and bytes a frame over loopback)")
-      ->check(CLI::IsMember({"passes", "tracking", "network"}))
+                "What to measure: passes (each compute pass on its own), tracking (errors over sequences), "
+                "sensors (the same for every simulated camera in rooms, at desks and around objects, each at "
+                "three speeds) or network (milliseconds and bytes a frame over loopback)")
+      ->check(CLI::IsMember({"passes", "tracking", "sensors", "network"}))
       ->capture_default_str();
   c->add_option("--config", o->config,
                 "Preset (default, paper) or YAML file; the passes are timed on depth alone unless "
@@ -179,20 +225,23 @@ void addBenchCommand(CLI::App& app) {
   c->add_option("--set", o->assignments, "Change one setting: key=value; may be repeated")
       ->allow_extra_args(false);
   c->add_option("--device", o->device, "Device by index, name or type (see 'rosefusion devices')");
-  c->add_option("--frames", o->frames,
-                "Length of a generated sequence [24; tracking: 240], or frames to send [network: 200]")
+  c->add_option(
+       "--frames", o->frames,
+       "Length of a generated sequence [24; tracking: 240; sensors: 90], or frames to send [network: 200]")
       ->check(CLI::Range(4, 10000));
-  c->add_option("--seed", o->seed, "Of the (first) generated sequence [1; tracking: 101]");
+  c->add_option("--seed", o->seed, "Of the (first) generated sequence [1; tracking: 101; sensors: 1]");
   c->add_option("--json", o->json, "Also write the figures here; '-': standard output");
   addPassOptions(*c, *o);
   addTrackingOptions(*c, *o);
   for (const char* name : {"--config", "--set", "--device", "--seed"})
-    for (const char* suite : {"passes", "tracking"}) o->of_suite[suite].push_back(c->get_option(name));
+    for (const char* suite : {"passes", "tracking", "sensors"})
+      o->of_suite[suite].push_back(c->get_option(name));
   c->footer(
       "Examples:\n  rosefusion bench\n  rosefusion bench --device cpu --repeat 50 --json bench.json\n"
       "  rosefusion bench --suite tracking --rooms 20 --work out/rooms --json tracking.json\n"
       "  rosefusion bench --suite tracking --rooms 5 --disturb cut --disturb black --disturb hand\n"
       "  rosefusion bench --suite tracking --rooms 0 --sequence rgbd_dataset_freiburg1_rpy --config paper\n"
+      "  rosefusion bench --suite sensors --sensor d400 --scene desk --seed 7\n"
       "  rosefusion bench --suite network --sequence rgbd_dataset_freiburg1_rpy\n"
       "On a busy machine trust the passes' figures by CPU time (CPU devices only). In the tracking suite a\n"
       "frame without a pose is a failure: its sequence counts as not within 3 cm, whatever its ATE.");

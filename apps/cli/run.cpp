@@ -128,9 +128,7 @@ Settings settingsFor(const Settings& asked, PeekedSource& source) {
 }
 
 void run(const RunArguments& o) {
-  std::vector<std::string> assignments = o.assignments;
-  if (!o.sensor.empty()) assignments.insert(assignments.begin(), "depth.sensor=" + o.sensor);
-  const Settings asked = chosenSettings(o.config, assignments);
+  const Settings asked = chosenSettings(o.config, o.assignments, o.sensor);
   const bool live = isLiveSource(o.source.source);
   const StreamOptions& stream = o.source.stream;
   if (!isStreamEndpoint(o.source.source) &&

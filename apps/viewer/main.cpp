@@ -21,7 +21,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 struct Options {
-  std::string source, config = "default", device, screenshot, out = "out/viewer";
+  std::string source, config = "default", sensor, device, screenshot, out = "out/viewer";
   std::vector<std::string> assignments;
   std::vector<double> intrinsics;
   StreamOptions stream;
@@ -50,7 +50,8 @@ class Viewer {
   Viewer(const Options& options, Gpu& gpu, Device& device)
       : options_(options),
         gpu_(gpu),
-        session_(device, chosenSettings(options.config, options.assignments), sourceOptions(options)),
+        session_(device, chosenSettings(options.config, options.assignments, options.sensor),
+                 sourceOptions(options)),
         canvas_(gpu),
         scene_(gpu, device) {
     state_.path = options.source;
@@ -231,6 +232,9 @@ int run(int argc, char** argv) {
   app.add_option("SOURCE", o.source,
                  "Folder, .seq file, camera (openni2:) or stream (tcp://*:PORT); may be opened later");
   app.add_option("--config", o.config, "Preset (default, paper) or YAML file")->capture_default_str();
+  app.add_option(
+      "--sensor", o.sensor,
+      "Whose noise the depths have: auto (measured), given, or a camera's name, as of 'rosefusion run'");
   app.add_option("--set", o.assignments, "Change one setting: key=value; may be repeated")
       ->allow_extra_args(false);
   app.add_option("--device", o.device, "Device by index or name");

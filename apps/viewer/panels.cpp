@@ -232,6 +232,7 @@ void drawSettings(const Rectangle& area, const Snapshot& s, Session& session, Pa
   ImGui::SameLine(area.width - 90.0f);
   if (ImGui::Button("Close", {74, 0})) state.settings_open = false;
   ImGui::TextWrapped("Green ones take effect at once, the others with the next reset.");
+  for (const std::string& choice : s.choices) ImGui::TextWrapped("%s", choice.c_str());
   ImGui::SetNextItemWidth(-1);
   if (state.focus_filter) ImGui::SetKeyboardFocusHere();
   state.focus_filter = false;

@@ -1,5 +1,7 @@
 #include "apps/viewer/session.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <chrono>
 #include <opencv2/imgproc.hpp>
@@ -7,8 +9,10 @@
 #include "engine/error.h"
 #include "host/core/error.h"
 #include "host/core/file_io.h"
+#include "host/core/number_text.h"
 #include "host/export/mesh_io.h"
 #include "host/run/scene_of_source.h"
+#include "host/settings/automatic.h"
 #include "host/slam/mapping/mesh_extraction.h"
 
 namespace rosefusion::viewer {
@@ -49,6 +53,15 @@ std::string told(const LoopClosure& loop) {
   std::snprintf(text, sizeof text, "A loop was closed; the path is corrected, here by %.1f cm.",
                 100 * loop.shift);
   return text;
+}
+
+/// In the one line that there is.
+std::string toldShortly(const std::vector<std::string>& choices, const Settings& taken) {
+  if (choices.empty()) return {};
+  const SensorModel* model = sensorModel(taken.depth.sensor);
+  return printed(": voxels of %g cm, truncated at %g cm, and the noise of a %s (Settings, G)",
+                 100 * taken.volume.voxel_size, 100 * taken.volume.truncation,
+                 model ? model->name : "Kinect");
 }
 
 }  // namespace
@@ -195,15 +208,19 @@ void Session::begin() {
   const SequenceInfo& info = peeked->info();
   const std::optional<SceneMeasures> scene = sceneOf(*peeked, settings_, stop);
   source_ = std::move(peeked);
-  pipeline_ = std::make_unique<Pipeline>(device_, resolved(settings_, scene), info.intrinsics,
-                                         info.depth_units_per_metre,
+  const Settings taken = resolved(settings_, scene);
+  const std::vector<std::string> choices = choicesOf(settings_, taken, scene);
+  for (const std::string& choice : choices) spdlog::info("{}", choice);
+  pipeline_ = std::make_unique<Pipeline>(device_, taken, info.intrinsics, info.depth_units_per_metre,
                                          [this](Severity, const std::string& sentence) { say(sentence); });
   pipeline_->observe([this](const SearchIteration& seen) { swarm_.push_back(iterationOf(seen)); });
   update([&](Snapshot& s) {
     s.phase = Phase::Paused;
     s.expected = source_->expectedFrames();
     s.camera = info.intrinsics;
-    s.message = info.format + (info.warnings.empty() ? ", ready to play." : "; " + info.warnings.front());
+    s.choices = choices;
+    s.message = info.format + (info.warnings.empty() ? ", ready to play" + toldShortly(choices, taken) + "."
+                                                     : "; " + info.warnings.front());
   });
 }
 

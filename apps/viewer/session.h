@@ -55,8 +55,9 @@ struct Snapshot {
   std::uint64_t depth_number = 0, model_number = 0;  ///< count the changes
   std::optional<VolumeView> model;
   std::uint64_t model_bytes = 0, device_bytes = 0;
-  Settings settings;           ///< as they are set now
-  bool settings_wait = false;  ///< some of them take effect with the next reset()
+  Settings settings;                 ///< as they are set now
+  std::vector<std::string> choices;  ///< what was chosen for this source where a setting is 'auto'
+  bool settings_wait = false;        ///< some of them take effect with the next reset()
 };
 
 /// Commands return at once and are carried out in order. The Device must outlive it. The caller's thread

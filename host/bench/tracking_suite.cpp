@@ -5,17 +5,15 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <optional>
 
+#include "host/bench/generated_sequence.h"
 #include "host/core/error.h"
 #include "host/core/file_io.h"
 #include "host/core/log_to_spdlog.h"
 #include "host/core/number_text.h"
-#include "host/synth/tum_writer.h"
 
 namespace rosefusion {
 namespace {
@@ -95,21 +93,6 @@ std::vector<Flight> flightsOf(const TrackingSuiteOptions& options) {
   return flights;
 }
 
-bool holdsText(const fs::path& file, const std::string& text) {
-  std::ifstream in(file, std::ios::binary);
-  return in && std::string(std::istreambuf_iterator<char>(in), {}) == text;
-}
-
-std::unique_ptr<Sequence> openWithTruth(const fs::path& folder, bool colour) {
-  SequenceOptions options;
-  options.colour = colour;
-  auto sequence = openSequence(folder, options);
-  if (sequence->info().truth.empty())
-    throw InputError(folder.string() +
-                     ": has no true trajectory to measure tracking against; leave this sequence out.");
-  return sequence;
-}
-
 class Suite {
  public:
   Suite(Device& device, const TrackingSuiteOptions& options, const std::function<bool()>& stop)
@@ -119,18 +102,14 @@ class Suite {
     std::optional<ScratchFolder> scratch;
     if (options_.work.empty()) scratch.emplace("bench");
     const fs::path folder = (scratch ? scratch->path() : options_.work) / flight.name;
-    {
-      const SynthPlan plan(flight.synth);
-      if (!holdsText(folder / "synth.json", synthReport(plan))) writeTumSequence(folder, plan, true);
-    }
-    const auto sequence = openWithTruth(folder, flight.synth.colour);
+    const auto sequence = generatedSequence(folder, flight.synth);
     if (disturbance == Disturbance::kNone) return track(flight.name, *sequence, {});
     DisturbedSequence disturbed(*sequence, disturbance);
     return track(flight.name + "+" + toString(disturbance), disturbed, {}, disturbed.viewReturns());
   }
 
   std::optional<TrackedSequence> trackRecorded(const fs::path& path) const {
-    const auto sequence = openWithTruth(path, options_.settings.volume.colour);
+    const auto sequence = sequenceWithTruth(path, options_.settings.volume.colour);
     for (const std::string& warning : sequence->info().warnings) spdlog::warn("{}", warning);
     const fs::path whole = fs::absolute(path).lexically_normal();
     const std::string name = (whole.has_filename() ? whole : whole.parent_path()).filename().string();
@@ -208,7 +187,7 @@ TrackingReport trackSuite(Device& device, const TrackingSuiteOptions& options,
                           const std::function<bool()>& stop) {
   requirePlausible(options.synth);
   const std::vector<Flight> flights = flightsOf(options);
-  for (const fs::path& path : options.sequences) openWithTruth(path, false);
+  for (const fs::path& path : options.sequences) sequenceWithTruth(path, false);
   if (flights.empty() && options.sequences.empty())
     throw InputError("There is no sequence to track; give --rooms, --meshes or --sequence.");
   TrackingReport report{device.info(), options, {}, false};

@@ -108,6 +108,17 @@ TEST_F(SessionTest, ChangesSettingsAtOnceOrWithTheNextReset) {
   EXPECT_FALSE(idle().settings_wait);
 }
 
+TEST_F(SessionTest, TellsWhatWasChosenWhereASettingIsAutomatic) {
+  session_.open(sequence());
+  EXPECT_THAT(idle().choices, ::testing::IsEmpty());
+  session_.set("volume.voxel_size", "auto");
+  session_.set("depth.sensor", "auto");
+  session_.reset();
+  const Snapshot seen = idle();
+  EXPECT_THAT(seen.choices, ::testing::ElementsAre(HasSubstr("Voxels of 2 cm"), HasSubstr("noise")));
+  EXPECT_THAT(seen.message, HasSubstr("voxels of 2 cm"));
+}
+
 TEST_F(SessionTest, SavesFilesAndSaysWhatCannotBe) {
   session_.open(sequence());
   session_.saveMesh(folder_ / "mesh.ply");
