@@ -69,7 +69,7 @@ ShaderInterface reflect(const ShaderCode& code) {
     }
   }
   require(
-      spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_SAMPLED_IMAGE, &list, &count),
+      spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_SEPARATE_IMAGE, &list, &count),
       code);
   for (std::size_t i = 0; i < count; ++i) {
     const spvc_type image = spvc_compiler_get_type_handle(compiler, list[i].base_type_id);

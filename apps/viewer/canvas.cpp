@@ -7,16 +7,13 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "apps/viewer/imgui_versions.h"
 #include "host/core/file_io.h"
 
 namespace rosefusion::viewer {
 namespace {
 
 constexpr VkClearColorValue kBackground{{0.11f, 0.12f, 0.14f, 1}};
-
-void check(VkResult result) {
-  require(result, "drawing the panels");
-}
 
 VkRenderPass makeRenderPass(VkDevice device) {
   VkAttachmentDescription picture{};
@@ -46,10 +43,10 @@ VkRenderPass makeRenderPass(VkDevice device) {
 
 Canvas::Canvas(Gpu& gpu) : Canvas(&gpu) {
   render_pass_ = makeRenderPass(gpu.device);
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};  // ImGui's font
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, textureCount()};
   VkDescriptorPoolCreateInfo descriptors{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   descriptors.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
-  descriptors.maxSets = 1;
+  descriptors.maxSets = textureCount();
   descriptors.poolSizeCount = 1;
   descriptors.pPoolSizes = &size;
   require(vkCreateDescriptorPool(gpu.device, &descriptors, nullptr, &descriptors_), "preparing to draw");
@@ -65,22 +62,12 @@ Canvas::Canvas(Gpu& gpu) : Canvas(&gpu) {
   const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   require(vkCreateFence(gpu.device, &fence, nullptr, &done_), "preparing to draw");
 
-  ImGui_ImplVulkan_InitInfo init{};
-  init.Instance = gpu.instance;
-  init.PhysicalDevice = gpu.physical;
-  init.Device = gpu.device;
-  init.QueueFamily = gpu.queue_family;
-  init.Queue = gpu.queue;
-  init.DescriptorPool = descriptors_;
-  init.MinImageCount = init.ImageCount = 2;
-  init.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
-  init.CheckVkResultFn = check;
   has_panels_ = true;
-  ImGui_ImplVulkan_Init(&init, render_pass_);
-  begin();
-  ImGui_ImplVulkan_CreateFontsTexture(commands_);
-  finish(VK_NULL_HANDLE, VK_NULL_HANDLE);
-  ImGui_ImplVulkan_DestroyFontUploadObjects();
+  startRenderer(gpu, render_pass_, descriptors_, [this](const auto& record) {
+    begin();
+    record(commands_);
+    finish(VK_NULL_HANDLE, VK_NULL_HANDLE);
+  });
 }
 
 Canvas::~Canvas() {
@@ -139,6 +126,7 @@ void Canvas::finish(VkSemaphore wait, VkSemaphore signal) {
 void Canvas::draw(const std::function<void(VkCommandBuffer, VkImage)>& beneath,
                   const std::function<void(VkCommandBuffer, const Image&)>& after, VkSemaphore wait,
                   VkSemaphore signal) {
+  updateTextures(gpu_);
   begin();
   image_.change(commands_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, true);
   const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};

@@ -10,6 +10,7 @@
 #include "apps/chosen_settings.h"
 #include "apps/cli/exit_code.h"
 #include "apps/guarded_main.h"
+#include "apps/viewer/imgui_versions.h"
 #include "apps/viewer/panels.h"
 #include "apps/viewer/scene.h"
 #include "apps/viewer/window.h"
@@ -177,20 +178,14 @@ void runWindow(const Options& o) {
       const auto start = Clock::now();
       ImGui_ImplGlfw_NewFrame();
       const std::vector<int> pressed = window.takePressed();
-      ImGuiIO& io = ImGui::GetIO();
-      const auto heedControl = [&] {
-        io.KeyCtrl = io.KeysDown[GLFW_KEY_LEFT_CONTROL] || io.KeysDown[GLFW_KEY_RIGHT_CONTROL];
-      };
-      for (const int key : pressed) io.KeysDown[key] = true;
-      heedControl();
+      holdKeys(pressed);
       const double seconds = std::min(0.1, millisecondsSince(last) / 1000);
       last = start;
       const Requests requests = viewer.frame(
           seconds, false, [&](const auto& beneath) { presenter.present(viewer.canvas(), beneath); });
       viewer.state().draw_milliseconds = millisecondsSince(start);
       window.setTitle(viewer.title());
-      for (const int key : pressed) io.KeysDown[key] = glfwGetKey(window.handle(), key) == GLFW_PRESS;
-      heedControl();
+      releaseKeys(pressed, window.handle());
       if (viewer.phase() == Phase::Playing) times.push_back(viewer.state().draw_milliseconds);
       for (const std::string& dropped : window.takeDropped()) {
         viewer.state().path = dropped;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "apps/viewer/imgui_versions.h"
 #include "apps/viewer/panels.h"
 
 namespace rosefusion::viewer {
@@ -102,7 +103,7 @@ void drawLost(const Rectangle& area) {
   constexpr std::array<const char*, 2> kLines{"Lost - nothing is added to the model",
                                               "Point the camera at what it has seen before."};
   ImFont* large = ImGui::GetIO().Fonts->Fonts.back();
-  const float first = large->FontSize, second = ImGui::GetFontSize();
+  const float first = sizeOf(*large), second = ImGui::GetFontSize();
   const ImVec2 size = large->CalcTextSizeA(first, 1e9f, 0, kLines[0]),
                advice = ImGui::GetFont()->CalcTextSizeA(second, 1e9f, 0, kLines[1]);
   const float width = std::max(size.x, advice.x) + 2 * kMargin, height = size.y + advice.y + 2.5f * kMargin;

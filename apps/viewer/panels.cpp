@@ -8,6 +8,8 @@
 #include <cctype>
 #include <cmath>
 
+#include "apps/viewer/imgui_versions.h"
+
 namespace rosefusion::viewer {
 namespace {
 
@@ -84,7 +86,7 @@ void figure(const char* label, const char* pattern, double value) {
 
 void drawStatus(const Snapshot& s) {
   const Words words = wordsOf(s);
-  ImGui::PushFont(ImGui::GetIO().Fonts->Fonts.back());
+  pushFont(*ImGui::GetIO().Fonts->Fonts.back());
   ImGui::TextColored(words.colour, "%s", words.headline.c_str());
   ImGui::PopFont();
   // Two lines are kept free, so that what is below stays where it is.
@@ -299,21 +301,20 @@ void drawButtons(Session& session, PanelState& state, Requests& requests) {
 /// One key, one command, unless a text field has the keyboard.
 void heedKeys(const Snapshot& s, Session& session, ViewCamera& view, PanelState& state, Requests& requests) {
   if (ImGui::GetIO().WantTextInput) return;
-  const auto pressed = [](char key) { return ImGui::IsKeyPressed(key, false); };
-  if (pressed(' ')) s.phase == Phase::Playing ? session.pause() : session.play();
-  if (pressed('N')) session.step();
-  if (pressed('R')) session.reset();
-  if (pressed('M')) session.saveMesh(state.out / "mesh.ply");
-  if (pressed('T')) session.saveTrajectory(state.out / "trajectory.txt");
-  if (pressed('P')) requests.screenshot = true;
-  if (pressed('Q') && ImGui::GetIO().KeyCtrl) requests.quit = true;
-  if (pressed('G')) {
+  if (isPressed(' ')) s.phase == Phase::Playing ? session.pause() : session.play();
+  if (isPressed('N')) session.step();
+  if (isPressed('R')) session.reset();
+  if (isPressed('M')) session.saveMesh(state.out / "mesh.ply");
+  if (isPressed('T')) session.saveTrajectory(state.out / "trajectory.txt");
+  if (isPressed('P')) requests.screenshot = true;
+  if (isPressed('Q') && ImGui::GetIO().KeyCtrl) requests.quit = true;
+  if (isPressed('G')) {
     state.settings_open = !state.settings_open;
     state.focus_filter = state.settings_open;
   }
-  if (pressed('1')) view.setMode(ViewMode::Orbit);
-  if (pressed('2')) view.setMode(ViewMode::Follow);
-  if (pressed('3')) view.setMode(ViewMode::FirstPerson);
+  if (isPressed('1')) view.setMode(ViewMode::Orbit);
+  if (isPressed('2')) view.setMode(ViewMode::Follow);
+  if (isPressed('3')) view.setMode(ViewMode::FirstPerson);
 }
 
 void heedMouse(const Rectangle& area, ViewCamera& view) {
