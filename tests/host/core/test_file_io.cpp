@@ -88,8 +88,9 @@ TEST(ReadFile, GivesAllBytesOrSaysWhyNot) {
   EXPECT_THAT(inputErrorOf([&] { readFile(folder / "absent"); }), HasSubstr("No such file"));
   EXPECT_THAT(inputErrorOf([&] { readFile(folder.path()); }), HasSubstr("Is a directory"));
   // A disk that fails halfway.
-  if (fs::exists("/proc/self/mem"))
+  if (fs::exists("/proc/self/mem")) {
     EXPECT_THAT(inputErrorOf([] { readFile("/proc/self/mem"); }), HasSubstr("Input/output error"));
+  }
 }
 
 TEST(RequireWritable, TellsEarlyAndChangesNothing) {
