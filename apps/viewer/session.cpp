@@ -206,10 +206,10 @@ void Session::begin() {
   if (!opened) return;
   auto peeked = std::make_unique<PeekedSource>(std::move(opened));
   const SequenceInfo& info = peeked->info();
-  const std::optional<SceneMeasures> scene = sceneOf(*peeked, settings_, stop);
+  scene_ = sceneOf(*peeked, settings_, stop);
   source_ = std::move(peeked);
-  const Settings taken = resolved(settings_, scene);
-  const std::vector<std::string> choices = choicesOf(settings_, taken, scene);
+  const Settings taken = resolved(settings_, scene_);
+  const std::vector<std::string> choices = choicesOf(settings_, taken, scene_);
   for (const std::string& choice : choices) spdlog::info("{}", choice);
   pipeline_ = std::make_unique<Pipeline>(device_, taken, info.intrinsics, info.depth_units_per_metre,
                                          [this](Severity, const std::string& sentence) { say(sentence); });
@@ -356,7 +356,7 @@ void Session::set(const std::string& key, const std::string& value) {
     setField(changed, key, value, "the viewer");
     requireConsistent(changed);
     settings_ = changed;
-    if (pipeline_ && isLiveSetting(key)) pipeline_->changeLive(settings_);
+    if (pipeline_ && isLiveSetting(key)) pipeline_->changeLive(resolved(settings_, scene_));
     update([&](Snapshot& s) {
       s.settings = settings_;
       s.settings_wait |= pipeline_ && !isLiveSetting(key);

@@ -10,6 +10,7 @@
 #include <optional>
 #include <thread>
 
+#include "host/settings/automatic.h"
 #include "host/slam/pipeline.h"
 #include "host/sources/open_source.h"
 
@@ -108,6 +109,7 @@ class Session {
   Settings settings_;
   std::string source_name_;
   std::unique_ptr<FrameSource> source_;
+  std::optional<SceneMeasures> scene_;  ///< of its first images
   std::unique_ptr<Pipeline> pipeline_;
   std::vector<PathPoint> path_;
   std::vector<SwarmIteration> swarm_;

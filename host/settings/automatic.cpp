@@ -23,6 +23,9 @@ constexpr double kFineTruncation = 4, kTruncation = 3;  // voxels
 constexpr double kFarDeviations = 1.4;
 // Finer voxels hold nothing but noise.
 constexpr double kDeviationsOfVoxel = 0.8;
+// Of the share of pixels that have depth in the first images, that later ones need: a thing that is cut out
+// covers little of the image, and on its narrow side less.
+constexpr double kShareOfFirst = 0.25;
 // More than so many times another deviation is another sensor's.
 const double kAnotherSensor = std::log2(2.5);
 
@@ -91,6 +94,9 @@ std::optional<double> misfit(const SensorModel& model, const SceneMeasures& scen
 }
 
 Settings resolved(Settings settings, const std::optional<SceneMeasures>& scene) {
+  if (scene && hasAutomatic(settings))
+    settings.tracking.min_valid_share =
+        std::min(settings.tracking.min_valid_share, kShareOfFirst * scene->valid_share);
   if (const SensorModel* named = sensorModel(settings.depth.sensor)) take(*named, settings);
   if (settings.depth.sensor == DepthSensor::kAuto && scene)
     if (const SensorModel* nearest = nearestModel(*scene)) take(*nearest, settings);
@@ -121,6 +127,11 @@ std::vector<std::string> choicesOf(const Settings& asked, const Settings& taken,
         "Voxels of %g cm, truncated at %g cm: half of the depths are nearer than %.2f m, nine tenths "
         "than %.2f m (volume.voxel_size).",
         100 * taken.volume.voxel_size, 100 * taken.volume.truncation, scene->median_depth, scene->far_depth));
+  if (taken.tracking.min_valid_share < asked.tracking.min_valid_share)
+    said.push_back(
+        printed("Images are taken from %.2g %% of valid pixels on, for the first ones have %.2g %% "
+                "(tracking.min_valid_share).",
+                100 * taken.tracking.min_valid_share, 100 * scene->valid_share));
   const SensorModel* model = sensorModel(taken.depth.sensor);
   if (asked.depth.sensor == DepthSensor::kAuto)
     said.push_back(

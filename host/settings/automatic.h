@@ -1,5 +1,5 @@
 // Settings that follow from what the camera sees: volume.voxel_size, volume.truncation and depth.sensor where
-// they are 'auto'.
+// they are 'auto', and with them tracking.min_valid_share.
 #pragma once
 #include <optional>
 #include <string>
@@ -11,6 +11,7 @@ namespace rosefusion {
 
 /// Measured on the first images of a recording or camera; lengths in metres. host/survey/ makes it.
 struct SceneMeasures {
+  double valid_share = 1;  ///< of the pixels
   double median_depth = 0;
   double far_depth = 0;    ///< a tenth of the depths are farther
   double view_width = 0;   ///< of what has depth in the image, at a depth of 1

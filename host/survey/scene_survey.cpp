@@ -8,7 +8,7 @@ namespace rosefusion {
 namespace {
 
 constexpr int kPixelStep = 4;               // for the distribution of depths
-constexpr double kLeastValid = 0.02;        // share of the pixels
+constexpr double kLeastValid = 0.002;       // share of the pixels
 constexpr double kBeside = 0.05;            // of the valid pixels, on each side of what is taken as the view
 constexpr int kPiecesAcross = 20;           // that planes are fitted to, over the image's width
 constexpr double kLeastCovered = 0.2;       // of a piece
@@ -92,6 +92,7 @@ std::optional<SceneMeasures> surveyScene(std::span<const cv::Mat> depths, const 
       static_cast<double>(distances.size()) < kLeastValid * static_cast<double>(looked_at))
     return {};
   SceneMeasures scene;
+  scene.valid_share = static_cast<double>(distances.size()) / static_cast<double>(looked_at);
   scene.median_depth = quantile(distances, 0.5);
   scene.far_depth = quantile(distances, 0.9);
   scene.view_width =

@@ -123,6 +123,21 @@ TEST(SceneSurvey, AThingCutOutIsAsSmallAsItIs) {
   EXPECT_EQ(resolved(automatic(), survey(floorFrom(0.5, kinect))).volume.voxel_size, 0.01);
 }
 
+TEST(SceneSurvey, ImagesThatShowLittleAreTakenFromLittleOn) {
+  cv::Mat depth = cv::Mat::zeros(kCamera.height, kCamera.width, CV_16UC1);
+  const cv::Rect thing(290, 200, 60, 80);  // 1.6 % of the pixels
+  floorFrom(0.5, kinect)(thing).copyTo(depth(thing));
+  const auto scene = survey(depth);
+  ASSERT_TRUE(scene);
+  const Settings taken = resolved(automatic(), scene);
+  EXPECT_NEAR(taken.tracking.min_valid_share, 0.25 * thing.area() / depth.total(), 1e-4);
+  EXPECT_LE(taken.volume.voxel_size, 0.005);
+  EXPECT_THAT(choicesOf(automatic(), taken, scene),
+              ::testing::Contains(HasSubstr("tracking.min_valid_share")));
+  const Settings whole = resolved(automatic(), survey(floorFrom(0.5, kinect)));
+  EXPECT_EQ(whole.tracking.min_valid_share, automatic().tracking.min_valid_share);
+}
+
 TEST(SceneSurvey, APhonesImagesHaveItsNoiseAndNoVoxelFinerThanAPixel) {
   const Intrinsics phone{256, 192, 212, 212, 127.5, 95.5};
   cv::Mat depth(phone.height, phone.width, CV_16UC1, cv::Scalar(0.6 * kUnits));
