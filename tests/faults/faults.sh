@@ -108,7 +108,8 @@ while ((SECONDS < seconds)); do
   key=${keys[RANDOM % ${#keys[@]}]}
   read -r name command <<<"$key"
   read -ra results < <(results_of "$command")
-  inject "$name" "$command" $((RANDOM % counted[$key] + 1)) "${results[RANDOM % ${#results[@]}]}"
+  count=${counted[$key]}
+  inject "$name" "$command" $((RANDOM % count + 1)) "${results[RANDOM % ${#results[@]}]}"
 done
 echo "faults: $injected injected ($kind: ${names[*]}), $broken not as they should be"
 [[ $broken == 0 ]]
