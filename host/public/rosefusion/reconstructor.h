@@ -56,8 +56,8 @@ class ROSEFUSION_API Reconstructor {
   /// (OutOfMemory, DeviceLost).
   Mesh mesh();
   /// Poses of all frames that were not lost, in their order. What was told may become better known: a frame
-  /// that was lost when it came has its pose once later ones confirm it, one whose depth left a direction open
-  /// is corrected once the camera is held again, and loops.enabled corrects all.
+  /// that was lost when it came has its pose once later ones confirm it, one whose depth left a direction
+  /// open is corrected once the camera is held again, and loops.enabled corrects all.
   std::vector<TimedPose> trajectory() const;
   /// Voxel blocks of the model after the last frame.
   std::size_t blockCount() const;

@@ -26,8 +26,8 @@ class DeviceWorkTest : public ValidatingDevice {
   }
 };
 
-// Measured on lavapipe 2026-12-01: 20 and 32 submits, 60 and 52 dispatches, under 1 KB copied. A GPU needs fewer
-// submits by default (PoseRefiner evaluates several steps together there).
+// Measured on lavapipe 2026-12-01: 20 and 32 submits, 60 and 52 dispatches, under 1 KB copied. A GPU needs
+// fewer submits by default (PoseRefiner evaluates several steps together there).
 TEST_F(DeviceWorkTest, OfThePapersSearchIsBounded) {
   const DeviceWork work = perFrame(quickSettings());
   RecordProperty("submits", static_cast<int>(work.submits));
