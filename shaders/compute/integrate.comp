@@ -67,9 +67,6 @@ void fuse(Sight sight, inout float tsdf, inout float weight, uint chunk, uint co
   float value = min(sight.distance_ / truncation, 1.0);
   float noise = depthNoise(params.noise_floor, params.noise_growth, sight.z);
   float variance = depthVariance(noise, params.bias_growth, sight.z);
-  // Behind the surface the distance is a guess: others, unseen, may be anywhere from there on.
-  float behind = params.thin_walls != 0u ? max(-sight.distance_, 0.0) : 0.0;
-  variance += behind * behind / 3.0;
   float gain = max(params.noise_floor * params.noise_floor / variance, 1.0 / kWeightOne);
   // A solid lies behind every surface seen of it: behind surfaces, of two distances that differ by more than noise the larger
   // is right, and their mean would be neither of a thin wall's two sides.

@@ -18,7 +18,7 @@ constexpr reference::DepthNoise kNoise{.floor = 0.005f, .growth = 0.0005f, .bias
 
 struct Wrong {
   double voxel_size = 1, truncation = 1, max_weight = 1, focal = 1, centre = 0, shift = 0, turn = 0;
-  double floor = 1, growth = 1, bias_growth = 1, deviations = 1, behind = 1;
+  double floor = 1, growth = 1, bias_growth = 1, deviations = 1;
 };
 
 class Integrate : public ValidatingDevice, public ::testing::WithParamInterface<Intrinsics> {
@@ -48,7 +48,6 @@ class Integrate : public ValidatingDevice, public ::testing::WithParamInterface<
          .max_weight = kVolume.max_weight * wrong.max_weight,
          .thin_walls = run_->volume.options().thin_walls,
          .thin_walls_deviations = 4 * wrong.deviations,
-         .behind_variance = wrong.behind / 3,
          .noise = {.floor = run_->sequence.sensor.noise.floor * wrong.floor,
                    .growth = run_->sequence.sensor.noise.growth * wrong.growth,
                    .bias_growth = run_->sequence.sensor.noise.bias_growth * wrong.bias_growth}});
@@ -131,8 +130,6 @@ TEST_P(Integrate, OfViewsThatContradictEachOtherBehindASurfaceOneCounts) {
   EXPECT_TRUE(agrees(compare(map, inReferenceTypes(contents_)), kSkippedShare));
   EXPECT_TRUE(agrees(compareColour(map, inReferenceTypes(contents_)), kSkippedShare));
   EXPECT_TRUE(differs(compareWith({.deviations = 1.1})));
-  EXPECT_TRUE(differs(compareWith({.behind = 1.1})));
-  EXPECT_TRUE(differs(compareWith({.behind = 0})));
   std::size_t replaced = 0, kept = 0;
   for (const auto& [block, voxels] : map.blocks())
     for (const auto& voxel : voxels) {

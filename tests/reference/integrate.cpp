@@ -91,11 +91,7 @@ void TsdfMap::update(Voxel& voxel, const Eigen::Vector3d& in_camera, const Point
       if (distance < options_.truncation) voxel.colour_updates = 0;
     }
   }
-  // Of a voxel behind the surface another one may be as near as that or nearer, each place as likely.
-  const double behind = options_.thin_walls ? std::max(-distance, 0.0) : 0.0;
-  const double variance = options_.noise.variance(z) + options_.behind_variance * behind * behind;
-  const double gain = std::max(options_.noise.floor * options_.noise.floor / variance, kWeightUnit),
-               total = voxel.weight + gain;
+  const double gain = std::max(options_.noise.weight(z), kWeightUnit), total = voxel.weight + gain;
   // Errors of the old mean count by its share; those of its weight move the mean towards or from the value.
   const double weight_error = voxel.weight_error;
   voxel.tsdf_error = voxel.tsdf_error * (voxel.weight + weight_error) / (total - weight_error) +
@@ -104,7 +100,7 @@ void TsdfMap::update(Voxel& voxel, const Eigen::Vector3d& in_camera, const Point
   voxel.tsdf = (voxel.tsdf * voxel.weight + value * gain) / total;
   voxel.weight = std::min(total, options_.max_weight);
   // Whole weights are held exactly, and so is the cap where all that rounding can make of it reaches it.
-  if (options_.noise.growth > 0 || options_.noise.bias_growth > 0 || options_.thin_walls)
+  if (options_.noise.growth > 0 || options_.noise.bias_growth > 0)
     voxel.weight_error += kWeightUnit / 2 + 1e-6 * gain;
   if (total - voxel.weight_error >= options_.max_weight) voxel.weight_error = 0;
   ++voxel.updates;

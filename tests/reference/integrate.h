@@ -18,7 +18,6 @@ struct TsdfOptions {
   bool thin_walls =
       false;  ///< of views that contradict each other behind surfaces, the larger distance counts
   double thin_walls_deviations = 4;  ///< of the noise, the least contradiction
-  double behind_variance = 1.0 / 3;  ///< with thin_walls: of a distance behind a surface, to its square
   DepthNoise noise;  ///< a depth weighs its inverse variance, at least one unit of the stored weights
 };
 
