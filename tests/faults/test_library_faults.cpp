@@ -128,7 +128,7 @@ TEST(LibraryFaults, TrackingGoesOnAfterAFailure) {
   std::size_t poses = 1;
   for (const char* command : kEachFrame) {
     const std::size_t i = 1 + poses % (kFrames - 1);
-    failCall(command, 1 + random() % 30, command == std::string("vkMapMemory") ? kMapFailed : kDeviceMemory);
+    failCall(command, 1 + random() % 6, command == std::string("vkMapMemory") ? kMapFailed : kDeviceMemory);
     const auto process = [&] {
       EXPECT_NE(reconstructor.process(publicFrame(i)).status, Status::Lost) << command;
     };
@@ -168,9 +168,11 @@ TEST(LibraryFaults, ALostDeviceIsRefusedInWords) {
       for (std::size_t i = 1; i < kFrames; ++i) reconstructor.process(publicFrame(i));
     };
     EXPECT_TRUE(fails(process, Error::Kind::DeviceLost, command));
+    const std::size_t poses = reconstructor.trajectory().size();  // of frames before the loss
+    EXPECT_LT(poses, kFrames);
     EXPECT_TRUE(fails(process, Error::Kind::DeviceLost, command));
     EXPECT_TRUE(fails([&] { reconstructor.mesh(); }, Error::Kind::DeviceLost, command));
-    EXPECT_EQ(reconstructor.trajectory().size(), 1u) << command;
+    EXPECT_EQ(reconstructor.trajectory().size(), poses) << command;
   }
 }
 
