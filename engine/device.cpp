@@ -139,8 +139,8 @@ const char* toString(DeviceType type) {
   return "other";
 }
 
-bool isOutOfMemory(VkResult result) {
-  switch (result) {
+bool isOutOfMemory(int vk_result) {
+  switch (vk_result) {
     case VK_ERROR_OUT_OF_HOST_MEMORY:
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
     case VK_ERROR_MEMORY_MAP_FAILED:

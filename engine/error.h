@@ -25,4 +25,8 @@ class DeviceError : public std::runtime_error {
   DeviceErrorCode code_;
 };
 
+/// Whether a VkResult says that memory is exhausted, the host's or the device's, or what else a driver keeps
+/// a limited number of.
+bool isOutOfMemory(int vk_result);
+
 }  // namespace rosefusion

@@ -8,9 +8,6 @@
 
 namespace rosefusion {
 
-/// Of memory, or of what else a driver keeps a limited number of.
-bool isOutOfMemory(VkResult result);
-
 /// Throws a DeviceError unless `result` is VK_SUCCESS; `doing` completes "... failed while <doing>".
 void require(VkResult result, std::string_view doing);
 

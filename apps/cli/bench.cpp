@@ -41,6 +41,31 @@ struct BenchArguments {
   std::map<std::string, std::vector<CLI::Option*>> of_suite;  // options that not every suite knows
 };
 
+/// What a suite prints while it goes on.
+class Rows {
+ public:
+  explicit Rows(const std::string& json) : out_(json == "-" ? stderr : stdout) {}
+  /// The head waits for the first row: bad input is one sentence.
+  void add(const std::string& head, const std::string& row) { say((number_++ == 0 ? head : "") + row); }
+  void end(const std::string& summary) const {
+    if (number_ > 0) say(summary);
+  }
+  /// Throws where it was interrupted; after all has been written.
+  void leave(bool was_interrupted) const {
+    if (!was_interrupted) return;
+    spdlog::warn("Interrupted after {} sequences; the figures are of these.", number_);
+    throw ExitCode(kExitInterrupted);
+  }
+
+ private:
+  void say(const std::string& text) const {
+    std::fputs(text.c_str(), out_);
+    std::fflush(out_);
+  }
+  std::FILE* out_;
+  std::size_t number_ = 0;
+};
+
 std::string settingsName(const BenchArguments& o) {
   std::string name = o.config;
   for (const std::string& assignment : o.assignments) name += " " + assignment;
@@ -79,25 +104,14 @@ void benchTracking(BenchArguments& o) {
   if (!o.disturbances.empty()) t.disturbances.clear();
   for (const std::string& word : o.disturbances) t.disturbances.push_back(disturbanceFrom(word));
   Device device({o.device, false});
-  std::FILE* out = o.json == "-" ? stderr : stdout;
-  const auto say = [&](const std::string& text) {
-    std::fputs(text.c_str(), out);
-    std::fflush(out);
-  };
+  Rows rows(o.json);
   catchInterrupts();
-  bool any = false;  // the head waits for the first row: bad input is one sentence
   const TrackingReport report = trackSuite(
-      device, t,
-      [&](const TrackedSequence& sequence) {
-        say((any ? "" : trackingHead(device.info())) + trackingRow(sequence));
-        any = true;
-      },
+      device, t, [&](const TrackedSequence& row) { rows.add(trackingHead(device.info()), trackingRow(row)); },
       interrupted);
-  if (any) say(trackingSummary(report));
+  rows.end(trackingSummary(report));
   writeJson(o.json, trackingJson(report).dump(2));
-  if (!report.interrupted) return;
-  spdlog::warn("Interrupted after {} sequences; the figures are of these.", report.sequences.size());
-  throw ExitCode(kExitInterrupted);
+  rows.leave(report.interrupted);
 }
 
 void benchSensors(BenchArguments& o) {
@@ -109,23 +123,14 @@ void benchSensors(BenchArguments& o) {
   s.work = o.tracking.work;
   if (o.of_suite["sensors"].front()->count() > 0) s.max_speed = o.max_speed;
   Device device({o.device, false});
-  std::FILE* out = o.json == "-" ? stderr : stdout;
-  const auto say = [&](const std::string& text) {
-    std::fputs(text.c_str(), out);
-    std::fflush(out);
-  };
+  Rows rows(o.json);
   catchInterrupts();
-  bool any = false;
   const SensorReport report = trackSensors(
-      device, s,
-      [&](const SensorRow& row) {
-        say((any ? "" : sensorHead(device.info())) + sensorRow(row));
-        any = true;
-      },
+      device, s, [&](const SensorRow& row) { rows.add(sensorHead(device.info()), sensorRow(row)); },
       interrupted);
-  if (any) say(sensorSummary(report));
+  rows.end(sensorSummary(report));
   writeJson(o.json, sensorJson(report).dump(2));
-  if (report.interrupted) throw ExitCode(kExitInterrupted);
+  rows.leave(report.interrupted);
 }
 
 void benchNetworkOf(BenchArguments& o) {

@@ -40,25 +40,14 @@ void require(VkResult result, const char* doing) {
   const auto fail = [&](DeviceErrorCode code, const std::string& what, const std::string& remedy) {
     throw DeviceError(code, what + " while " + doing + "; " + remedy + ".");
   };
-  switch (result) {
-    case VK_ERROR_OUT_OF_HOST_MEMORY:
-    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
-    case VK_ERROR_MEMORY_MAP_FAILED:
-    case VK_ERROR_TOO_MANY_OBJECTS:
-    case VK_ERROR_FRAGMENTED_POOL:
-    case VK_ERROR_FRAGMENTATION:
-    case VK_ERROR_OUT_OF_POOL_MEMORY:
-      fail(DeviceErrorCode::OutOfMemory, "Memory is exhausted",
-           "close other programs on the GPU, or make volume.voxel_size larger");
-      break;
-    case VK_ERROR_DEVICE_LOST:
-      fail(DeviceErrorCode::DeviceLost, "The driver lost the device",
-           "look for a GPU reset in the system log and update the driver");
-      break;
-    default:
-      fail(DeviceErrorCode::NoDevice, "The driver failed (VkResult " + std::to_string(result) + ")",
-           "update it, or choose another device with --device ('rosefusion devices' lists them)");
-  }
+  if (isOutOfMemory(result))
+    fail(DeviceErrorCode::OutOfMemory, "Memory is exhausted",
+         "close other programs on the GPU, or make volume.voxel_size larger");
+  if (result == VK_ERROR_DEVICE_LOST)
+    fail(DeviceErrorCode::DeviceLost, "The driver lost the device",
+         "look for a GPU reset in the system log and update the driver");
+  fail(DeviceErrorCode::NoDevice, "The driver failed (VkResult " + std::to_string(result) + ")",
+       "update it, or choose another device with --device ('rosefusion devices' lists them)");
 }
 
 Gpu::Gpu(const GpuOptions& options) : Gpu() {

@@ -248,7 +248,7 @@ void drawSettings(const Rectangle& area, const Snapshot& s, Session& session, Pa
     if (field.key.find(state.settings_filter) == std::string::npos) continue;
     // Who names one wants to see it.
     if (state.settings_filter.empty() && !state.expert_settings && isExpertSetting(field.key)) continue;
-    const std::string its_group = field.key.substr(0, field.key.find('.'));
+    const std::string its_group = field.groupName();
     if (its_group != group) heading(its_group.c_str());
     group = its_group;
     drawSetting(field, s.settings, session);

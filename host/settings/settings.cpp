@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 #include <sstream>
+#include <utility>
 
 #include "host/core/error.h"
 #include "host/core/number_text.h"
@@ -241,22 +242,15 @@ Settings loadSettings(const std::string& preset_or_file, const Log& log) {
 std::string toYaml(const Settings& settings) {
   TextStream out;
   std::string group;
-  std::vector<SettingsField> fields = settingsTable();
-  const auto groupOf = [](const SettingsField& field) { return field.key.substr(0, field.key.find('.')); };
-  for (auto first = fields.begin(); first != fields.end();) {  // a user's settings first, in each group
-    const auto past = std::find_if(first, fields.end(),
-                                   [&](const SettingsField& f) { return groupOf(f) != groupOf(*first); });
-    std::stable_partition(first, past, [](const SettingsField& f) { return !isExpertSetting(f.key); });
-    first = past;
-  }
   bool for_experts = false;
-  for (const SettingsField& field : fields) {
-    const std::string name = groupOf(field);
-    if (name != group) out << (group.empty() ? "" : "\n") << name << ":\n";
-    for_experts = for_experts && name == group;
-    if (!for_experts && isExpertSetting(field.key)) out << "  # For experts:\n";
-    for_experts = isExpertSetting(field.key);
+  for (const SettingsField& field : settingsTable()) {
+    const std::string name = field.groupName();
+    if (name != group) {
+      out << (group.empty() ? "" : "\n") << name << ":\n";
+      for_experts = false;
+    }
     group = name;
+    if (isExpertSetting(field.key) && !std::exchange(for_experts, true)) out << "  # For experts:\n";
     out << "  " << field.key.substr(name.size() + 1) << ": " << fieldText(settings, field) << "  # "
         << (field.unit.empty() ? "" : field.unit + "; ") << field.help << '\n';
   }

@@ -141,9 +141,11 @@ struct SettingsField {
   double max = 0;
   std::function<FieldRef(Settings&)> ref;
   bool automatic = false;  ///< a number that may be 'auto', which is kept as 0
+
+  std::string groupName() const { return key.substr(0, key.find('.')); }
 };
 
-/// The table, in the order in which files show it.
+/// The table, in the order in which files show it: by groups, a user's settings before those for experts.
 const std::vector<SettingsField>& settingsTable();
 
 /// A key that was called otherwise in earlier versions: files and programs with the old one go on to work.

@@ -1,4 +1,6 @@
 // The table of all settings: key, unit, help, range, and where the value lives.
+#include <algorithm>
+
 #include "host/settings/settings.h"
 
 namespace rosefusion {
@@ -297,7 +299,16 @@ std::span<const RenamedSetting> renamedSettings() {
 }
 
 const std::vector<SettingsField>& settingsTable() {
-  static const std::vector<SettingsField> table = makeTable();
+  static const std::vector<SettingsField> table = [] {
+    std::vector<SettingsField> made = makeTable();
+    for (auto first = made.begin(); first != made.end();) {
+      const auto past = std::find_if(
+          first, made.end(), [&](const SettingsField& f) { return f.groupName() != first->groupName(); });
+      std::stable_partition(first, past, [](const SettingsField& f) { return !isExpertSetting(f.key); });
+      first = past;
+    }
+    return made;
+  }();
   return table;
 }
 

@@ -8,16 +8,19 @@
 namespace rosefusion {
 namespace {
 
-constexpr std::size_t kHeld = 2;       // poses on either side: a place and a velocity
-constexpr std::size_t kFewest = 10;    // changes of velocity that a size is read from
-constexpr std::size_t kLongest = 300;  // frames: beyond, a smooth motion says nothing of the middle
-constexpr int kIterations = 3;         // turns are nearly linear
-constexpr double kDeviationOfMedian = 1.4826;
+constexpr std::size_t kHeld = 2;               // poses on either side: a place and a velocity
+constexpr std::size_t kFewest = 10;            // changes of velocity that a size is read from
+constexpr std::size_t kWindow = 300;           // poses looked back on, which bounds the work and what is kept
+constexpr int kIterations = 3;                 // turns are nearly linear
+constexpr double kDeviationOfMedian = 1.4826;  // of a Gaussian's absolute values
 
-/// The change of velocity at the middle of three poses, per second squared; zero without time between them.
+bool haveTimeBetween(const StampedPose& a, const StampedPose& b, const StampedPose& c) {
+  return a.timestamp < b.timestamp && b.timestamp < c.timestamp;
+}
+
+/// The change of velocity at the middle of three poses that have time between them, per second squared.
 Vector6 acceleration(const StampedPose& a, const StampedPose& b, const StampedPose& c) {
   const double before = b.timestamp - a.timestamp, after = c.timestamp - b.timestamp;
-  if (!(before > 0 && after > 0)) return Vector6::Zero();
   return (difference(b.world_from_camera, c.world_from_camera) / after -
           difference(a.world_from_camera, b.world_from_camera) / before) *
          (2 / (before + after));
@@ -57,7 +60,7 @@ bool correct(Trajectory& trajectory, const OpenStretches::Open& open, std::size_
     for (std::size_t middle = first - 1; middle <= past; ++middle) {
       const StampedPose &a = trajectory[middle - 1], &b = trajectory[middle], &c = trajectory[middle + 1];
       const double before = b.timestamp - a.timestamp, after = c.timestamp - b.timestamp;
-      if (!(before > 0 && after > 0)) continue;
+      if (!haveTimeBetween(a, b, c)) continue;
       const double scale = 2 / (before + after);
       const double slopes[] = {scale / before, -scale / before - scale / after, scale / after};
       const Vector6 residual = weight.cwiseProduct(acceleration(a, b, c));
@@ -93,10 +96,12 @@ bool correct(Trajectory& trajectory, const OpenStretches::Open& open, std::size_
 
 MotionChange motionChange(const Trajectory& trajectory, const OpenStretches::Open& open) {
   std::vector<double> shifts, turns;
-  for (std::size_t i = 1; i + 1 < trajectory.size(); ++i) {
+  const std::size_t begin = trajectory.size() > 2 * kWindow ? trajectory.size() - 2 * kWindow : 0;
+  for (std::size_t i = begin + 1; i + 1 < trajectory.size(); ++i) {
+    const StampedPose &a = trajectory[i - 1], &b = trajectory[i], &c = trajectory[i + 1];
     const auto near = open.lower_bound(i - 1);
-    if (near != open.end() && near->first <= i + 1) continue;
-    const Vector6 change = acceleration(trajectory[i - 1], trajectory[i], trajectory[i + 1]);
+    if ((near != open.end() && near->first <= i + 1) || !haveTimeBetween(a, b, c)) continue;
+    const Vector6 change = acceleration(a, b, c);
     for (int axis = 0; axis < 3; ++axis) {
       shifts.push_back(std::abs(change[axis]));
       turns.push_back(std::abs(change[axis + 3]));
@@ -109,6 +114,8 @@ MotionChange motionChange(const Trajectory& trajectory, const OpenStretches::Ope
 bool OpenStretches::add(Trajectory& trajectory, const Covariance& covariance) {
   const Eigen::SelfAdjointEigenSolver<Covariance> solver(covariance);  // ascending
   const auto open = (solver.eigenvalues().array() > held_deviation_ * held_deviation_).count();
+  if (trajectory.size() > 2 * kWindow)
+    open_.erase(open_.begin(), open_.lower_bound(trajectory.size() - 2 * kWindow));
   if (open > 0) {
     open_[trajectory.size() - 1] = {solver.eigenvectors().rightCols(open),
                                     solver.eigenvalues().tail(open).cwiseInverse()};
@@ -120,7 +127,7 @@ bool OpenStretches::add(Trajectory& trajectory, const Covariance& covariance) {
   std::size_t first = past - 1;
   while (first > 0 && open_.contains(first - 1)) --first;
   const MotionChange change = motionChange(trajectory, open_);
-  if (first < kHeld || past - first > kLongest || !(change.shift > 0 && change.turn > 0)) return false;
+  if (first < kHeld || past - first > kWindow || !(change.shift > 0 && change.turn > 0)) return false;
   return correct(trajectory, open_, first, past, change);
 }
 

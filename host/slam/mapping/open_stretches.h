@@ -35,7 +35,7 @@ class OpenStretches {
 };
 
 /// Metres and radians per second squared, per axis: how much the motion's velocity changes, from the middle
-/// of what poses that are not in `open` tell. Zero where they are too few.
+/// of what the latest poses that are not in `open` tell. Zero where they are too few.
 struct MotionChange {
   double shift = 0, turn = 0;
 };
