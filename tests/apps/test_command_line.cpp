@@ -208,14 +208,9 @@ TEST(CommandLine, OutputThatCannotBeWrittenFails) {
     EXPECT_EQ(full.code, kExitBadInput) << command << full.text;
     EXPECT_THAT(full.text, HasSubstr("Standard output cannot be written")) << command;
   }
-  // A file may be as large as 8 blocks: the small ones fit, the mesh and the pictures do not.
-  const std::string out = (folder / "o").string();
-  const Outcome limited = program("run " + sequence + " --out " + out, "ulimit -f 8;");
-  EXPECT_EQ(limited.code, kExitBadInput) << limited.text;
-  EXPECT_THAT(limited.text, HasSubstr("cannot be written"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "o" / "report.json"));
-  for (const auto& entry : std::filesystem::directory_iterator(out))
-    EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+  // A file may be as large as 8 blocks: the small ones fit, the mesh does not. What runs on Mesa's device
+  // cannot be limited so, for its memory is a file too (25.0); full disks under it are injected by
+  // tests/faults.
   const Outcome synth =
       program("synth " + (folder / "t").string() + " --frames 3 --width 160 --height 120", "ulimit -f 8;");
   EXPECT_EQ(synth.code, kExitBadInput) << synth.text;

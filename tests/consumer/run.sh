@@ -23,6 +23,9 @@ lines=$(wc -l <"$scratch/quickstart.cpp")
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 neighbours=OFF  # in the shared library nothing can meet
 [[ $kind == shared ]] || neighbours=ON
+# The generator that the build has is there.
+CMAKE_GENERATOR=$(sed -n 's/^CMAKE_GENERATOR:INTERNAL=//p' "$build/CMakeCache.txt")
+export CMAKE_GENERATOR
 cmake -S "$here" -B "$scratch/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$scratch/prefix" \
   -DQUICKSTART="$scratch/quickstart.cpp" -DNEIGHBOURS="$neighbours" >"$scratch/configure.log" || fail "$(cat "$scratch/configure.log")"
 cmake --build "$scratch/build" >"$scratch/build.log" || fail "$(cat "$scratch/build.log")"

@@ -23,7 +23,11 @@ echo "Mesa's RADV $version with null hardware, one pool, as \`tests/drivers/radv
   "In each cell: vector registers, bytes of code, waves a SIMD at most; \"+n\" counts spilled registers, which are read and" \
   "written through memory. No time is measured: nothing runs."
 echo
-families=(polaris10 vega10 navi10 navi21 gfx1100)
+# Mesa 22 calls it by its instruction set, later ones by its chip.
+rdna3=gfx1100
+any=("$folder"/*.spv)
+if RADV_FORCE_FAMILY=$rdna3 "$scratch/statistics" "${any[0]}" 1 2>&1 | grep -q "Unknown family"; then rdna3=navi31; fi
+families=(polaris10 vega10 navi10 navi21 "$rdna3")
 printf '| shader |'; printf ' %s |' "${families[@]}"; echo
 printf '%s' '|---|'; printf '%.0s---|' "${families[@]}"; echo
 failed=0
