@@ -100,7 +100,10 @@ void printSummary(std::FILE* to, const RunSummary& summary, const SequenceInfo& 
         100 * errors->te_share[2]);
   if (const auto errors = errorsOf(summary, info); errors && !lostMost(summary))
     if (const std::string doubt = scaleDoubt(*errors); !doubt.empty()) spdlog::warn("{}", doubt);
-  for (const char* file : kOutputFiles)
+  std::vector<std::string> files(std::begin(kOutputFiles), std::end(kOutputFiles));
+  for (const MapFrames& map : mapsOf(summary))
+    for (const char* ending : {".txt", ".ply"}) files.push_back(detachedFile(map.map, ending));
+  for (const std::string& file : files)
     if (const auto path = std::filesystem::path(out) / file; std::filesystem::exists(path))
       std::fprintf(to, "  %s\n", path.c_str());
 }

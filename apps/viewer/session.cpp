@@ -304,6 +304,8 @@ void Session::publish(const SourceFrame& frame, const FrameResult& result) {
   const bool found = result.status != TrackingStatus::Lost;
   if (result.loop || result.stretch_closed) correctPath();
   if (result.loop) say(told(*result.loop));
+  for (const std::size_t map : result.joined)
+    say("Map " + std::to_string(map) + ", made while the camera was lost, is connected to the first.");
   if (result.began_anew) {
     path_.assign(1, {Eigen::Vector3d::Zero(), 0, false});
     last_pose_ = StampedPose{last_timestamp_, Pose::Identity()};
@@ -311,8 +313,9 @@ void Session::publish(const SourceFrame& frame, const FrameResult& result) {
   }
   last_timestamp_ = result.timestamp;
   double speed = 0, turn_rate = 0;
-  for (const StampedPose& pose : result.recovered)
-    path_.push_back({pose.world_from_camera.translation(), 0, false});
+  for (const RecoveredPose& recovered : result.recovered)
+    path_.insert(path_.begin() + static_cast<std::ptrdiff_t>(std::min(recovered.number, path_.size())),
+                 {recovered.pose.world_from_camera.translation(), 0, false});
   if (found) {
     const StampedPose now{result.timestamp, result.world_from_camera};
     const double seconds =

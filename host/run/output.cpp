@@ -5,6 +5,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <regex>
 
 #include "host/core/error.h"
 #include "host/core/file_io.h"
@@ -17,6 +18,15 @@
 #include "host/slam/mapping/mesh_extraction.h"
 
 namespace rosefusion {
+namespace {
+
+constexpr std::size_t kFewestOfMap = 10;  // frames, of a map of its own that is worth files
+
+}  // namespace
+
+std::string detachedFile(std::size_t map, const char* ending) {
+  return "map_" + std::to_string(map) + ending;
+}
 
 OutputFolder::OutputFolder(const std::filesystem::path& folder) : folder_(folder) {
   namespace fs = std::filesystem;
@@ -38,13 +48,36 @@ std::string OutputFolder::resultOf() const {
 
 void OutputFolder::removeEarlier() const {
   // The report first: while it is there, it says that all the others are.
-  for (auto file = std::rbegin(kOutputFiles); file != std::rend(kOutputFiles); ++file) {
+  std::vector<std::string> files(std::rbegin(kOutputFiles), std::rend(kOutputFiles));
+  std::error_code unread;  // what cannot be listed cannot be removed, which the next lines find out
+  for (const auto& entry : std::filesystem::directory_iterator(folder_, unread))
+    if (std::regex_match(entry.path().filename().string(), std::regex("map_[0-9]+\\.(ply|txt)(\\.part)?")))
+      files.push_back(entry.path().filename().string());
+  for (const std::string& file : files) {
     std::error_code error;
-    std::filesystem::remove(folder_ / (std::string(*file) + ".part"), error);  // of a run that was killed
-    std::filesystem::remove(folder_ / *file, error);
+    std::filesystem::remove(folder_ / (file + ".part"), error);  // of a run that was killed
+    std::filesystem::remove(folder_ / file, error);
     if (error)
-      throw InputError((folder_ / *file).string() + ": cannot be replaced (" + error.message() +
+      throw InputError((folder_ / file).string() + ": cannot be replaced (" + error.message() +
                        "); choose another folder with --out.");
+  }
+}
+
+void OutputFolder::writeDetachedMaps(ExtractPass& extract, Pipeline& pipeline) const {
+  const MeshSettings& mesh = pipeline.settings().mesh;
+  for (const auto& detached : pipeline.detachedMaps()) {
+    const Trajectory& trajectory = detached->map.trajectory;
+    if (trajectory.size() < kFewestOfMap) continue;
+    const std::string poses = detachedFile(detached->number, ".txt");
+    writeTumTrajectory(folder_ / poses, trajectory);
+    const TriangleMesh surface =
+        extractMesh(extract, detached->map.volume,
+                    {static_cast<float>(mesh.min_weight), static_cast<std::size_t>(mesh.min_component)});
+    if (!surface.triangles.empty()) writePly(folder_ / detachedFile(detached->number, ".ply"), surface);
+    spdlog::warn(
+        "{} frames between {:.3f} and {:.3f} s hang together, but no frame connects them to the first map; "
+        "they are a map of their own, with its poses in {}.",
+        trajectory.size(), trajectory.front().timestamp, trajectory.back().timestamp, poses);
   }
 }
 
@@ -66,6 +99,7 @@ void OutputFolder::write(const RunSummary& summary, const SequenceInfo& info, Pi
                                    : "fuse more frames, or lower mesh.min_weight or mesh.min_component.");
   else
     writePly(folder_ / "mesh.ply", surface);
+  writeDetachedMaps(extract, pipeline);
   std::vector<std::uint8_t> png;
   cv::imencode(".png", renderOverview(pipeline, trajectory), png);
   writeFileAtomically(folder_ / "preview.png", {reinterpret_cast<const char*>(png.data()), png.size()});

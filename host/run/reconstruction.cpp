@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <numeric>
+#include <utility>
 
 #include "engine/error.h"
 
@@ -66,20 +68,35 @@ void beginAnew(RunSummary& summary) {
       first->index);
 }
 
-/// Frames that were lost when they came have the poses that the last one confirms.
-void recover(RunSummary& summary, const FrameResult& last) {
-  auto frame = summary.frames.rbegin();
-  for (std::size_t left = last.recovered.size(); left > 0; --left) {
-    const StampedPose& pose = last.recovered[left - 1];
-    frame = std::find_if(frame, summary.frames.rend(), [&](const RunFrame& f) {
-      return !f.skipped && !f.result.number && f.result.timestamp == pose.timestamp;
-    });
-    if (frame == summary.frames.rend()) return;
-    FrameResult& result = frame->result;
+/// The detached map begins anew with the last of its frames; those before have no place in it.
+void forget(RunSummary& summary, std::size_t map) {
+  bool is_last = true;
+  for (auto f = summary.frames.rbegin(); f != summary.frames.rend(); ++f) {
+    if (f->result.detached_map != map || std::exchange(is_last, false)) continue;
+    f->result.detached_map.reset();
+    f->result.reason = {Reason::ModelBegunAnew};
+  }
+}
+
+/// Frames that were lost when they came have the poses that the last one makes known.
+void recover(RunSummary& summary, const FrameResult& last, std::size_t index) {
+  std::map<double, RunFrame*> lost;
+  for (RunFrame& f : summary.frames)
+    if (!last.recovered.empty() && !f.skipped && !f.result.number) lost[f.result.timestamp] = &f;
+  for (const RecoveredPose& recovered : last.recovered) {
+    for (RunFrame& f : summary.frames)
+      if (f.result.number && *f.result.number >= recovered.number) ++*f.result.number;
+    const auto found = lost.find(recovered.pose.timestamp);
+    if (found == lost.end()) continue;
+    FrameResult& result = found->second->result;
     result.status = TrackingStatus::Relocalised;
-    result.reason = {Reason::ConfirmedLater};
-    result.world_from_camera = pose.world_from_camera;
-    result.number = *last.number - (last.recovered.size() - (left - 1));
+    result.reason = {recovered.reason};
+    result.world_from_camera = recovered.pose.world_from_camera;
+    result.number = recovered.number;
+  }
+  for (const std::size_t map : last.joined) {
+    summary.joined.push_back({map, index});
+    spdlog::info("Map {} is connected to the first map by frame {}.", map, index);
   }
 }
 
@@ -119,7 +136,8 @@ RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_
       break;
     }
     if (frame.result.began_anew) beginAnew(summary);
-    if (frame.result.number) recover(summary, frame.result);
+    if (frame.result.detached_began_anew) forget(summary, *frame.result.detached_map);
+    recover(summary, frame.result, frame.index);
     summary.frames.push_back(std::move(frame));
     if (progress) progress({summary.frames.size(), total, &summary.frames.back()});
   }
@@ -135,6 +153,26 @@ Trajectory trajectoryOf(const RunSummary& summary) {
     if (!f.skipped && f.result.status != TrackingStatus::Lost)
       trajectory.push_back({f.result.timestamp, f.result.world_from_camera});
   return trajectory;
+}
+
+std::vector<MapFrames> mapsOf(const RunSummary& summary) {
+  std::map<std::size_t, MapFrames> maps;
+  const auto count = [&](std::size_t number, std::size_t index) {
+    MapFrames& map = maps[number];
+    map.map = number;
+    if (map.frames++ == 0) map.first = index;
+    map.last = index;
+  };
+  for (const RunFrame& f : summary.frames) {
+    if (f.skipped) continue;
+    if (f.result.number) count(1, f.index);
+    if (f.result.detached_map) count(*f.result.detached_map, f.index);
+  }
+  for (const RunSummary::Joined& joined : summary.joined)
+    if (const auto map = maps.find(joined.map); map != maps.end()) map->second.joined_at = joined.at;
+  std::vector<MapFrames> out;
+  for (const auto& [number, map] : maps) out.push_back(map);
+  return out;
 }
 
 }  // namespace rosefusion

@@ -33,6 +33,12 @@ struct RunSummary {
   std::vector<RunFrame> frames;
   RunEnd end = RunEnd::Finished;
   std::string end_reason;  ///< the device's sentence for DeviceFull
+  /// A detached map that a frame connected to the first.
+  struct Joined {
+    std::size_t map = 0;
+    std::size_t at = 0;  ///< that frame, in the sequence
+  };
+  std::vector<Joined> joined;
   /// In the sequence, of the frame that the model was begun anew with; FrameResult::began_anew.
   std::optional<std::size_t> began_anew_with;
   double seconds = 0;                ///< wall time of the loop, reading included
@@ -54,5 +60,15 @@ RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_
 
 /// Poses of the frames that were not lost.
 Trajectory trajectoryOf(const RunSummary& summary);
+
+/// Frames that hang together: those of the first map (number 1), or of one that was detached.
+struct MapFrames {
+  std::size_t map = 1;
+  std::size_t frames = 0, first = 0, last = 0;  ///< in the sequence
+  std::optional<std::size_t> joined_at;         ///< the frame that connected it to the first map
+};
+/// All maps of which frames remain. Those that were joined are told of beside the first, which holds their
+/// frames.
+std::vector<MapFrames> mapsOf(const RunSummary& summary);
 
 }  // namespace rosefusion

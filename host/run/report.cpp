@@ -87,6 +87,13 @@ Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& p
   report["lost"] = summary.count(TrackingStatus::Lost);
   report["skipped"] = summary.skipped();
   report["dropped"] = summary.dropped();
+  report["maps"] = Json::array();
+  for (const MapFrames& map : mapsOf(summary)) {
+    Json one = {
+        {"map", map.map}, {"frames", map.frames}, {"first_frame", map.first}, {"last_frame", map.last}};
+    if (map.map > 1) one["joined_at"] = map.joined_at ? Json(*map.joined_at) : Json(nullptr);
+    report["maps"].push_back(one);
+  }
   report["seconds"] = summary.seconds;
   report["milliseconds"] = {{"total", milliseconds(&StageMilliseconds::total, false)},
                             {"preprocess", milliseconds(&StageMilliseconds::preprocess, false)},
@@ -117,7 +124,7 @@ std::string framesCsv(const RunSummary& summary) {
          "fit_cost,fit_usable,fit_close,fit_constraint,deviation_m,deviation_rad,intruding_share,fused,"
          "tx_m,ty_m,tz_m,"
          "qx,qy,qz,qw,total_ms,preprocess_ms,track_ms,integrate_ms,loops_ms,loop_to_s,loop_shift_m,loop_turn_"
-         "rad\n";
+         "rad,map\n";
   for (const RunFrame& f : summary.frames) {
     const FrameResult& r = f.result;
     const Eigen::Vector3d t = r.world_from_camera.translation();
@@ -140,7 +147,7 @@ std::string framesCsv(const RunSummary& summary) {
       out << std::setprecision(6) << r.loop->timestamp << ',' << r.loop->shift << ',' << r.loop->turn;
     else
       out << ",,";
-    out << '\n';
+    out << ',' << (r.detached_map ? *r.detached_map : r.number ? 1 : 0) << '\n';
   }
   return out.str();
 }

@@ -54,10 +54,11 @@ Pipeline::Pipeline(Device& device, const Settings& settings, const Intrinsics& i
       refiner_(device, settings_, intrinsics),
       method_(makePoseMethod(device, settings_, intrinsics, search_, refiner_)),
       relocaliser_(settings_.refine, search_, refiner_),
-      map_(device, settings_, intrinsics) {
-  fuser_.prepare(map_.volume);
-  search_.prepare(map_.volume);
-  refiner_.prepare(map_.volume);
+      first_(device, settings_, intrinsics),
+      detached_(detachedWork(), settings_.tracking.intruding_share) {
+  fuser_.prepare(first_.map.volume);
+  search_.prepare(first_.map.volume);
+  refiner_.prepare(first_.map.volume);
   const std::filesystem::path cache = defaultTemplateCache({}).parent_path();
   sumsAreExact(
       cache.empty() ? cache : cache / "compensated_sums.txt", device.info(),
@@ -75,41 +76,72 @@ void Pipeline::changeLive(const Settings& settings) {
 }
 
 FrameResult Pipeline::processFrame(const Frame& frame) {
-  FrameResult result = follow(frame);
-  weighStart(frame, result);
+  if (loops_ || !method_->relocalises()) return followAndWeigh(first_, frame);
+  FrameResult result = detached_.asksFirst(first_) ? followAndWeigh(first_, frame) : unasked(frame);
+  detached_.add(first_, frame, result);
   return result;
 }
 
-void Pipeline::clear() {
-  map_.clear();
-  state_ = Initialising{};
-  if (loops_)
-    loops_ = makeLoopCloser(device_, settings_, intrinsics_, depth_units_per_metre_, search_.templates());
-  inlier_statistics_ = {};
+FrameResult Pipeline::unasked(const Frame& frame) {
+  addOdometry(first_.state, frame.motion);
+  FrameResult result;
+  result.timestamp = frame.timestamp;
+  result.world_from_camera = acceptedPose(first_.state);
+  result.reason = {Reason::NotVerified};
+  return result;
 }
 
-void Pipeline::weighStart(const Frame& frame, FrameResult& result) {
+FrameResult Pipeline::followAndWeigh(Submap& at, const Frame& frame) {
+  FrameResult result = follow(at, frame);
+  weighStart(at, frame, result);
+  return result;
+}
+
+DetachedMaps::Work Pipeline::detachedWork() {
+  return {[this](std::size_t number) {
+            return std::make_unique<DetachedMap>(device_, settings_, intrinsics_, number);
+          },
+          [this](Submap& at, const Frame& frame) { return followAndWeigh(at, frame); },
+          [this](Submap& at, const Frame& frame, const Pose& world_from_camera, std::size_t number) {
+            load(frame);
+            fuse(at, world_from_camera, number);
+          },
+          [this](Submap& at, const Frame& frame, const Pose& world_from_camera) {
+            return at.map.free_space.violation(
+                depthInMetres(frame.depth, settings_.depth, depth_units_per_metre_), world_from_camera);
+          }};
+}
+
+void Pipeline::clear(Submap& at) {
+  at.map.clear();
+  at.state = Initialising{};
+  at.inlier_statistics = {};
+  if (loops_)
+    loops_ = makeLoopCloser(device_, settings_, intrinsics_, depth_units_per_metre_, search_.templates());
+}
+
+void Pipeline::weighStart(Submap& at, const Frame& frame, FrameResult& result) {
   const double told = result.score.valid_share;
   const auto met = [&](const FrameResult& r) {
     return told * (r.fit ? r.fit->inlier_ratio : 1 - r.score.residual);
   };
-  if (result.fused && result.number == 0U) return start_.begin(frame, told);
-  if (result.fused) return start_.confirm(met(result));
+  if (result.fused && result.number == 0U) return at.start.begin(frame, told);
+  if (result.fused) return at.start.confirm(met(result));
   if (result.status != TrackingStatus::Lost) return;
-  const std::optional<ModelStart::Candidate> rival = start_.rival(frame, told);
+  const std::optional<ModelStart::Candidate> rival = at.start.rival(frame, told);
   if (!rival) return;
-  const ModelStart::Candidate first = *start_.first();
+  const ModelStart::Candidate first = *at.start.first();
   const auto beginWith = [&](const ModelStart::Candidate& candidate) {
-    clear();
-    follow(candidate.frame);
-    start_.begin(candidate.frame, candidate.told);
+    clear(at);
+    follow(at, candidate.frame);
+    at.start.begin(candidate.frame, candidate.told);
   };
   beginWith(*rival);
-  FrameResult again = follow(frame);
+  FrameResult again = follow(at, frame);
   again.milliseconds.total += result.milliseconds.total;
   again.began_anew = true;
   if (again.status != TrackingStatus::Lost) {
-    if (again.fused) start_.confirm(met(again));
+    if (again.fused) at.start.confirm(met(again));
     result = again;
     return;
   }
@@ -117,87 +149,93 @@ void Pipeline::weighStart(const Frame& frame, FrameResult& result) {
     result = again;
   } else {  // neither fits it: the first one stays
     beginWith(first);
-    state_ = withoutPose(state_, thresholds());
+    at.state = withoutPose(at.state, thresholds());
   }
-  start_.rival(frame, told);
+  at.start.rival(frame, told);
 }
 
-FrameResult Pipeline::follow(const Frame& frame) {
+FrameResult Pipeline::follow(Submap& at, const Frame& frame) {
   FrameResult result;
   result.timestamp = frame.timestamp;
   const StageTimer total(result.milliseconds.total);
-  preprocess(frame, result);
-  addOdometry(state_, frame.motion);
-  const FrameEvidence evidence = examine(frame, result);
-  Decision decision = decide(state_, evidence, thresholds());
-  report(evidence, decision, result);
-  if (decision.integrate) integrate(result);
-  state_ = std::move(decision.next);
+  preprocess(at, frame, result);
+  addOdometry(at.state, frame.motion);
+  const FrameEvidence evidence = examine(at, frame, result);
+  Decision decision = decide(at.state, evidence, thresholds());
+  report(at, evidence, decision, result);
+  if (decision.integrate) integrate(at, result);
+  at.state = std::move(decision.next);
   if (decision.pose)
-    closeLoops(frame, result);
+    addPose(at, frame, decision.recovered, result);
   else if (loops_)
     loops_->onTrackingLost();
   return result;
 }
 
-void Pipeline::preprocess(const Frame& frame, FrameResult& result) {
+void Pipeline::preprocess(const Submap& at, const Frame& frame, FrameResult& result) {
   const StageTimer timer(result.milliseconds.preprocess);
   fuser_.recordFrame(recorder_, frame);
-  recordScore(acceptedPose(state_));
+  recordScore(at, acceptedPose(at.state));
   recorder_.start();
   metres_ = depthInMetres(frame.depth, settings_.depth, depth_units_per_metre_);  // meanwhile
   recorder_.finish();
 }
 
-void Pipeline::recordScore(const Pose& world_from_camera) {
-  search_.recordScore(recorder_, fuser_.frame(), map_.volume, world_from_camera, historyOf(state_).last);
+void Pipeline::load(const Frame& frame) {
+  fuser_.recordFrame(recorder_, frame);
+  recorder_.submit();
+  metres_ = depthInMetres(frame.depth, settings_.depth, depth_units_per_metre_);
 }
 
-PoseScore Pipeline::scoreAt(const Pose& world_from_camera) {
-  recordScore(world_from_camera);
+void Pipeline::recordScore(const Submap& at, const Pose& world_from_camera) {
+  search_.recordScore(recorder_, fuser_.frame(), at.map.volume, world_from_camera, historyOf(at.state).last);
+}
+
+PoseScore Pipeline::scoreAt(const Submap& at, const Pose& world_from_camera) {
+  recordScore(at, world_from_camera);
   recorder_.submit();
   return search_.recordedScore();
 }
 
-FrameEvidence Pipeline::examine(const Frame& frame, FrameResult& result) {
+FrameEvidence Pipeline::examine(Submap& at, const Frame& frame, FrameResult& result) {
   const StageTimer timer(result.milliseconds.track);
   FrameEvidence out{frame.timestamp, search_.recordedScore(), {}, {}, 0};
-  if (std::holds_alternative<Initialising>(state_)) {
+  if (std::holds_alternative<Initialising>(at.state)) {
     out.score.residual = 0;  // there is no model yet to differ from
     return out;
   }
   const Thresholds limits = thresholds();
   if (out.score.valid_share < limits.min_valid_share) return out;
-  const bool lost = std::holds_alternative<Lost>(state_);
-  if (lost) map_.coarse.refresh([this](Volume& coarse) { loops_->rebuild(coarse); });
-  const TrackHistory& history = historyOf(state_);
-  out.found = lost ? relocaliser_.find(fuser_.frame(), metres_, map_, history, frame.timestamp, observer_)
-                   : method_->track(fuser_.frame(), map_.volume, history, frame.timestamp, observer_);
-  if (!mustVerify(state_, *out.found, frame.timestamp, limits)) {
-    recordScore(out.found->world_from_camera);
+  const bool lost = std::holds_alternative<Lost>(at.state);
+  if (lost) at.map.coarse.refresh([this](Volume& coarse) { loops_->rebuild(coarse); });
+  const TrackHistory& history = historyOf(at.state);
+  out.found = lost ? relocaliser_.find(fuser_.frame(), metres_, at.map, history, frame.timestamp, observer_)
+                   : method_->track(fuser_.frame(), at.map.volume, history, frame.timestamp, observer_);
+  if (!mustVerify(at.state, *out.found, frame.timestamp, limits)) {
+    recordScore(at, out.found->world_from_camera);
     recorder_.start();
     const double violation =
-        map_.free_space.violationOfLast(metres_, out.found->world_from_camera);  // meanwhile
+        at.map.free_space.violationOfLast(metres_, out.found->world_from_camera);  // meanwhile
     recorder_.finish();
     out.score = search_.recordedScore();
     if (judge(out.score, limits).status != TrackingStatus::Lost) out.violation = violation;
     return out;
   }
-  const bool followed = std::holds_alternative<Tracking>(state_);
-  out.verified = verifyPose(settings_, map_.free_space, metres_, *out.found,
-                            isUnsure(state_, *out.found, frame.timestamp, limits),
-                            inlier_statistics_.thresholds(!followed, limits.intruding_share));
+  const bool followed = std::holds_alternative<Tracking>(at.state);
+  out.verified = verifyPose(settings_, at.map.free_space, metres_, *out.found,
+                            isUnsure(at.state, *out.found, frame.timestamp, limits),
+                            at.inlier_statistics.thresholds(!followed, limits.intruding_share));
   const PoseFit& fit = out.verified ? out.verified->fit : *out.found->fit;
-  out.violation = map_.free_space.violation(metres_, fit.world_from_camera);
+  out.violation = at.map.free_space.violation(metres_, fit.world_from_camera);
   return out;
 }
 
-void Pipeline::report(const FrameEvidence& evidence, const Decision& decision, FrameResult& result) {
-  result.world_from_camera = decision.pose.value_or(acceptedPose(state_));
+void Pipeline::report(const Submap& at, const FrameEvidence& evidence, const Decision& decision,
+                      FrameResult& result) {
+  result.world_from_camera = decision.pose.value_or(acceptedPose(at.state));
   result.status = decision.status;
   result.reason = decision.reason;
   result.fused = decision.integrate;
-  if (!loops_) result.recovered = decision.recovered;  // what has no images closes no loop
   result.score = evidence.score;
   result.intruding = evidence.violation;
   if (!evidence.found) return;
@@ -205,59 +243,63 @@ void Pipeline::report(const FrameEvidence& evidence, const Decision& decision, F
   result.lookups = evidence.found->lookups;
   result.fit = evidence.verified ? evidence.verified->fit : evidence.found->fit;
   // That of the evidence is of the last pose where another one had to be verified.
-  if (evidence.verified && decision.pose) result.score = scoreAt(*decision.pose);
+  if (evidence.verified && decision.pose) result.score = scoreAt(at, *decision.pose);
 }
 
-void Pipeline::integrate(FrameResult& result) {
+void Pipeline::integrate(Submap& at, FrameResult& result) {
   const StageTimer timer(result.milliseconds.integrate);
-  fuse(result.world_from_camera);
-  if (result.fit) inlier_statistics_.add(*result.fit);
-  map_.keyframes.setLast(metres_, result.world_from_camera, map_.trajectory.size());
+  fuse(at, result.world_from_camera, at.map.trajectory.size());
+  if (result.fit) at.inlier_statistics.add(*result.fit);
+  at.map.keyframes.setLast(metres_, result.world_from_camera, at.map.trajectory.size());
 }
 
 /// Into the model last: what fails before can be tried again, and no frame is in it twice.
-void Pipeline::fuse(const Pose& world_from_camera) {
-  if (becomesKeyframe(world_from_camera)) map_.coarse.add(fuser_, recorder_, world_from_camera);
-  fuser_.fuse(recorder_, map_.volume, world_from_camera);
+void Pipeline::fuse(Submap& at, const Pose& world_from_camera, std::size_t number) {
+  if (becomesKeyframe(at, world_from_camera, number)) at.map.coarse.add(fuser_, recorder_, world_from_camera);
+  fuser_.fuse(recorder_, at.map.volume, world_from_camera);
 }
 
-void Pipeline::closeLoops(const Frame& frame, FrameResult& result) {
-  map_.trajectory.insert(map_.trajectory.end(), result.recovered.begin(), result.recovered.end());
-  result.number = map_.trajectory.size();
-  map_.trajectory.push_back({result.timestamp, result.world_from_camera});
+void Pipeline::addPose(Submap& at, const Frame& frame, const Trajectory& recovered, FrameResult& result) {
+  Map& map = at.map;
+  if (!loops_) {  // what has no images closes no loop
+    for (const StampedPose& pose : recovered) {
+      result.recovered.push_back({map.trajectory.size(), pose, Reason::ConfirmedLater});
+      map.trajectory.push_back(pose);
+    }
+  }
+  result.number = map.trajectory.size();
+  map.trajectory.push_back({result.timestamp, result.world_from_camera});
   if (!loops_) {
-    result.stretch_closed = map_.open_stretches.add(
-        map_.trajectory, result.fit ? result.fit->covariance : OpenStretches::Covariance::Zero());
+    result.stretch_closed = map.open_stretches.add(
+        map.trajectory, result.fit ? result.fit->covariance : OpenStretches::Covariance::Zero());
     return;
   }
   const StageTimer timer(result.milliseconds.loops);
   result.loop = loops_->add(frame, metres_, fuser_.frame(), result.world_from_camera, result.fused,
                             result.status == TrackingStatus::Tracked);
   if (!result.loop) return;
-  loops_->rebuild(map_.volume);
-  map_.move(loops_->framePoses());
-  result.world_from_camera = map_.trajectory.back().world_from_camera;
-  move(state_, result.world_from_camera);
+  loops_->rebuild(map.volume);
+  map.move(loops_->framePoses());
+  result.world_from_camera = map.trajectory.back().world_from_camera;
+  move(at.state, result.world_from_camera);
 }
 
-bool Pipeline::becomesKeyframe(const Pose& world_from_camera) {
-  return method_->relocalises() && map_.keyframes.offer(metres_, world_from_camera, map_.trajectory.size());
+bool Pipeline::becomesKeyframe(Submap& at, const Pose& world_from_camera, std::size_t number) {
+  return method_->relocalises() && at.map.keyframes.offer(metres_, world_from_camera, number);
 }
 
 void Pipeline::finish() {
   recorder_.finish();
   if (!loops_) return;
   const bool rebuild = loops_->finish();
-  map_.move(loops_->framePoses());
-  if (rebuild) loops_->rebuild(map_.volume);
+  first_.map.move(loops_->framePoses());
+  if (rebuild) loops_->rebuild(first_.map.volume);
 }
 
 void Pipeline::fuseFrame(const Frame& frame, const Pose& world_from_camera) {
   requireFixedPoses();
-  fuser_.recordFrame(recorder_, frame);
-  recorder_.submit();
-  metres_ = depthInMetres(frame.depth, settings_.depth, depth_units_per_metre_);
-  fuse(world_from_camera);
+  load(frame);
+  fuse(first_, world_from_camera, first_.map.trajectory.size());
   goOnFrom(world_from_camera, frame.timestamp);
 }
 
@@ -274,19 +316,20 @@ void Pipeline::requireFixedPoses() const {
 
 void Pipeline::accept(const Pose& world_from_camera, double timestamp, const cv::Mat& depth) {
   metres_ = depth.empty() ? depth : depthInMetres(depth, settings_.depth, depth_units_per_metre_);
-  if (becomesKeyframe(world_from_camera) && !depth.empty()) {
+  if (becomesKeyframe(first_, world_from_camera, first_.map.trajectory.size()) && !depth.empty()) {
     fuser_.recordFrame(recorder_, Frame{timestamp, depth, {}, {}});
     recorder_.submit();
-    map_.coarse.add(fuser_, recorder_, world_from_camera);
+    first_.map.coarse.add(fuser_, recorder_, world_from_camera);
   }
   goOnFrom(world_from_camera, timestamp);
 }
 
 void Pipeline::goOnFrom(const Pose& world_from_camera, double timestamp) {
-  start_.settle();
-  state_ = accepted(state_, world_from_camera, timestamp);
-  if (!metres_.empty()) map_.keyframes.setLast(metres_, world_from_camera, map_.trajectory.size());
-  map_.trajectory.push_back({timestamp, world_from_camera});
+  Map& map = first_.map;
+  first_.start.settle();
+  first_.state = accepted(first_.state, world_from_camera, timestamp);
+  if (!metres_.empty()) map.keyframes.setLast(metres_, world_from_camera, map.trajectory.size());
+  map.trajectory.push_back({timestamp, world_from_camera});
 }
 
 }  // namespace rosefusion

@@ -1,53 +1,12 @@
 // The reconstruction: depth frames in, poses and a growing model out.
 #pragma once
 #include "host/core/log.h"
-#include "host/slam/loop_closure/loop_closer.h"
+#include "host/slam/detached_maps.h"
 #include "host/slam/mapping/frame_integrator.h"
-#include "host/slam/mapping/map.h"
-#include "host/slam/mapping/model_start.h"
 #include "host/slam/relocalisation/relocaliser.h"
 #include "host/slam/tracking/pose_method.h"
-#include "host/slam/tracking_state.h"
 
 namespace rosefusion {
-
-struct StageMilliseconds {
-  double total = 0;
-  double preprocess = 0;
-  double track = 0;
-  double integrate = 0;
-  double loops = 0;
-};
-
-struct FrameResult {
-  double timestamp = 0;
-  /// World = the camera of the first fused frame. When lost: the last pose that was tracked or uncertain.
-  Pose world_from_camera = Pose::Identity();
-  TrackingStatus status = TrackingStatus::Lost;
-  StatusReason reason;
-  PoseScore score;             ///< the numbers behind the status
-  std::optional<PoseFit> fit;  ///< and those of the descent, where there was one
-  /// Share of the valid pixels in space that the last fused frame saw to be empty: something has come before
-  /// the camera, or the pose is wrong.
-  double intruding = 0;
-  bool fused = false;
-  /// The model begins anew with the frame before this one, whose pose is the identity; what it held until
-  /// then fits neither. All poses told before are void.
-  bool began_anew = false;
-  /// Its pose in Pipeline::trajectory(); none when lost.
-  std::optional<std::size_t> number;
-  /// Closed at this frame: all earlier poses have changed; see Pipeline::trajectory().
-  std::optional<LoopClosure> loop;
-  /// Poses of frames before, which were lost when they came and which this one confirms; the last of
-  /// Pipeline::trajectory() before its own.
-  Trajectory recovered;
-  /// The camera is held again: poses of frames before, which depth had left open, have changed; see
-  /// Pipeline::trajectory().
-  bool stretch_closed = false;
-  int iterations = 0;
-  std::uint64_t lookups = 0;
-  StageMilliseconds milliseconds;
-};
 
 /// Owns the volume and what finds poses in it; the Device must outlive it. One thread at a time.
 class Pipeline {
@@ -81,34 +40,44 @@ class Pipeline {
   void changeLive(const Settings& settings);
 
   Device& device() { return device_; }
-  Volume& volume() { return map_.volume; }
+  Volume& volume() { return first_.map.volume; }
   /// Poses of the frames that were not lost, as known now, since the model was begun.
-  const Trajectory& trajectory() const { return map_.trajectory; }
+  const Trajectory& trajectory() const { return first_.map.trajectory; }
+  /// Maps of stretches in which the camera was lost, as long as no frame connects them to volume(). None with
+  /// loops.enabled.
+  std::span<const std::unique_ptr<DetachedMap>> detachedMaps() const { return detached_.all(); }
   const Settings& settings() const { return settings_; }
   const Intrinsics& intrinsics() const { return intrinsics_; }
 
  private:
-  /// processFrame(), but for a model that begins anew.
-  FrameResult follow(const Frame& frame);
-  void preprocess(const Frame& frame, FrameResult& result);
+  /// processFrame() in this map, but for a model that begins anew.
+  FrameResult follow(Submap& at, const Frame& frame);
+  /// Replaces a model that hardly a frame has confirmed by one of the frames that do not fit it.
+  void weighStart(Submap& at, const Frame& frame, FrameResult& result);
+  FrameResult followAndWeigh(Submap& at, const Frame& frame);
+  /// Of a frame that is not looked for in the first map, where the camera is lost.
+  FrameResult unasked(const Frame& frame);
+  void preprocess(const Submap& at, const Frame& frame, FrameResult& result);
   /// Looks for the frame's pose and at what speaks for it; costs go to `result`.
-  FrameEvidence examine(const Frame& frame, FrameResult& result);
-  void report(const FrameEvidence& evidence, const Decision& decision, FrameResult& result);
-  void integrate(FrameResult& result);
-  void fuse(const Pose& world_from_camera);
+  FrameEvidence examine(Submap& at, const Frame& frame, FrameResult& result);
+  void report(const Submap& at, const FrameEvidence& evidence, const Decision& decision, FrameResult& result);
+  void integrate(Submap& at, FrameResult& result);
+  void addPose(Submap& at, const Frame& frame, const Trajectory& recovered, FrameResult& result);
+  /// Of a frame whose pose is in the trajectory or comes next there.
+  void fuse(Submap& at, const Pose& world_from_camera, std::size_t number);
+  /// Puts a frame on the device, and its metres beside it.
+  void load(const Frame& frame);
   /// Tracking, after a frame of known pose was fused.
   void goOnFrom(const Pose& world_from_camera, double timestamp);
-  void closeLoops(const Frame& frame, FrameResult& result);
   /// Fit of the frame at a pose, over the overlap with the last one.
-  void recordScore(const Pose& world_from_camera);
-  PoseScore scoreAt(const Pose& world_from_camera);
+  void recordScore(const Submap& at, const Pose& world_from_camera);
+  PoseScore scoreAt(const Submap& at, const Pose& world_from_camera);
   Thresholds thresholds() const { return thresholdsOf(settings_, method_->relocalises()); }
-  /// Replaces a model that hardly a frame has confirmed by one of the frames that do not fit it.
-  void weighStart(const Frame& frame, FrameResult& result);
-  void clear();
+  void clear(Submap& at);
   /// Where the camera is never lost, keyframes serve nobody.
-  bool becomesKeyframe(const Pose& world_from_camera);
+  bool becomesKeyframe(Submap& at, const Pose& world_from_camera, std::size_t number);
   void requireFixedPoses() const;
+  DetachedMaps::Work detachedWork();
 
   Device& device_;
   Settings settings_;
@@ -121,12 +90,10 @@ class Pipeline {
   std::unique_ptr<PoseMethod> method_;
   Relocaliser relocaliser_;
   SearchObserver observer_;
-  Map map_;
+  Submap first_;
   std::unique_ptr<LoopCloser> loops_;  ///< with loops.enabled
   cv::Mat metres_;                     ///< the current frame's depthInMetres()
-  ModelStart start_;
-  InlierStatistics inlier_statistics_;
-  TrackingState state_;
+  DetachedMaps detached_;
 };
 
 }  // namespace rosefusion

@@ -47,6 +47,10 @@ std::string toString(const StatusReason& why) {
              " of the image); not integrated until it is gone";
     case Reason::OccludedAndNotHeld:
       return "something came before the camera (" + percent(why.share) + " of the image) and hides the scene";
+    case Reason::InDetachedMap:
+      return "followed in a map of its own, until a place connects it to the first map";
+    case Reason::Joined:
+      return "followed in a map of its own, which a later frame connected to the first map";
     case Reason::ModelBegunAnew:
       return "the model was begun anew after it";
   }

@@ -21,6 +21,8 @@ enum class Reason {
   ConsistentUnknown,   ///< relocalised where little of the view is known
   Occluded,            ///< share: of the pixels in known free space
   OccludedAndNotHeld,  ///< share: the same; the rest of the image holds no pose
+  InDetachedMap,       ///< tracked in a map of its own, which is not connected to the first
+  Joined,              ///< the same, and connected by a later frame
   ModelBegunAnew,      ///< after the frame, and without it
 };
 

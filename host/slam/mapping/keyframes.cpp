@@ -63,6 +63,11 @@ void Keyframes::move(std::span<const Pose> corrected) {
   if (!last_.thumbnail.empty()) place(last_, corrected[last_.frame]);
 }
 
+void Keyframes::renumber(std::size_t inserted) {
+  for (Keyframe& keyframe : all_) keyframe.frame += keyframe.frame >= inserted;
+  last_.frame += last_.frame >= inserted;
+}
+
 void Keyframes::clear() {
   all_.clear();
   last_ = {};

@@ -40,6 +40,8 @@ class Keyframes {
 
   /// The map was corrected: every frame's pose now, by its index.
   void move(std::span<const Pose> corrected);
+  /// A pose was inserted into the trajectory with this number.
+  void renumber(std::size_t inserted);
   void clear();
 
  private:

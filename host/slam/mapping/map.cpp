@@ -1,5 +1,6 @@
 #include "host/slam/mapping/map.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "host/slam/mapping/frame_integrator.h"
@@ -12,6 +13,16 @@ Map::Map(Device& device, const Settings& settings, const Intrinsics& camera)
       keyframes(camera),
       free_space(camera, settings.depth, keyframes),
       open_stretches(settings.tracking.uncertain_deviation) {}
+
+std::size_t Map::insert(const StampedPose& pose) {
+  const auto at = std::upper_bound(trajectory.begin(), trajectory.end(), pose,
+                                   [](const auto& a, const auto& b) { return a.timestamp < b.timestamp; });
+  const auto number = static_cast<std::size_t>(at - trajectory.begin());
+  trajectory.insert(at, pose);
+  keyframes.renumber(number);
+  open_stretches.renumber(number);
+  return number;
+}
 
 void Map::move(std::span<const Pose> corrected) {
   if (corrected.size() != trajectory.size())

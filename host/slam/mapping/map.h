@@ -20,6 +20,8 @@ struct Map {
   Trajectory trajectory;         ///< of the frames that have a pose
   OpenStretches open_stretches;  ///< of the trajectory
 
+  /// A pose that became known late, at its time: those behind it come one later. Returns its number.
+  std::size_t insert(const StampedPose& pose);
   /// A closed loop has corrected all poses of `trajectory`. volume and coarse are to be made anew.
   void move(std::span<const Pose> corrected);
   void clear();

@@ -111,6 +111,12 @@ MotionChange motionChange(const Trajectory& trajectory, const OpenStretches::Ope
   return {deviationOf(shifts), deviationOf(turns)};
 }
 
+void OpenStretches::renumber(std::size_t inserted) {
+  Open moved;
+  for (auto& [number, freedom] : open_) moved.emplace(number + (number >= inserted), std::move(freedom));
+  open_ = std::move(moved);
+}
+
 bool OpenStretches::add(Trajectory& trajectory, const Covariance& covariance) {
   const Eigen::SelfAdjointEigenSolver<Covariance> solver(covariance);  // ascending
   const auto open = (solver.eigenvalues().array() > held_deviation_ * held_deviation_).count();

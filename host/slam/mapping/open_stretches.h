@@ -27,6 +27,8 @@ class OpenStretches {
   /// The trajectory's last pose has this covariance; zero is held. True when a stretch before it was
   /// corrected: two held poses must follow it, for their velocity counts as much as their place.
   bool add(Trajectory& trajectory, const Covariance& covariance);
+  /// A pose was inserted into the trajectory with this number.
+  void renumber(std::size_t inserted);
   void clear() { open_.clear(); }
 
  private:

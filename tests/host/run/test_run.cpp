@@ -138,6 +138,56 @@ TEST_F(RunTest, DamagedFramesAreSkippedAndCounted) {
   EXPECT_EQ(result.report.at("skipped"), 1);
 }
 
+/// Frames that are at hand.
+class Shown : public FrameSource {
+ public:
+  explicit Shown(const Intrinsics& camera) { info_.intrinsics = camera, info_.depth_units_per_metre = 5000; }
+  void show(const Frame& frame) {
+    frames_.push_back(frame);
+    frames_.back().timestamp = static_cast<double>(frames_.size()) / 30;
+  }
+  const SequenceInfo& info() const override { return info_; }
+  SourceState next(SourceFrame& out, const StopQuestion&) override {
+    if (next_ == frames_.size()) return SourceState::End;
+    out = {next_, 0, frames_[next_], true, {}};
+    ++next_;
+    return SourceState::Frame;
+  }
+
+ private:
+  SequenceInfo info_;
+  std::vector<Frame> frames_;
+  std::size_t next_ = 0;
+};
+
+TEST_F(RunTest, FramesThatNothingConnectsAreAMapOfTheirOwn) {
+  const SynthSequence here = makeShortSequence(7, 12), there = makeShortSequence(9, 14);
+  Shown source(here.intrinsics);
+  for (const Frame& frame : here.frames) source.show(frame);
+  Frame dark = here.frames[0];
+  dark.depth = cv::Mat(dark.depth.size(), CV_16UC1, cv::Scalar(0));
+  for (int i = 0; i < 35; ++i) source.show(dark);
+  for (const Frame& frame : there.frames) source.show(frame);
+  Pipeline pipeline(device(), loadSettings("default"), here.intrinsics, here.depth_units_per_metre);
+  const RunSummary summary = reconstruct(source, pipeline);
+  const fs::path out = folder_ / "out";
+  const OutputFolder folder(out);
+  folder.write(summary, source.info(), pipeline, false);
+
+  const nlohmann::ordered_json maps = reportJson(summary, source.info(), pipeline).at("maps");
+  ASSERT_EQ(maps.size(), 2u);
+  EXPECT_EQ(maps[0],
+            nlohmann::ordered_json::parse(R"({"map": 1, "frames": 12, "first_frame": 0, "last_frame": 11})"));
+  EXPECT_EQ(maps[1],
+            nlohmann::ordered_json::parse(
+                R"({"map": 2, "frames": 14, "first_frame": 47, "last_frame": 60, "joined_at": null})"));
+  EXPECT_EQ(readTumTrajectory(out / "trajectory.txt").size(), 12u);
+  EXPECT_EQ(readTumTrajectory(out / "map_2.txt").size(), 14u);
+  EXPECT_GT(readMesh(out / "map_2.ply").triangles.size(), 1000u);
+  folder.removeEarlier();
+  EXPECT_FALSE(fs::exists(out / "map_2.txt") || fs::exists(out / "map_2.ply"));
+}
+
 TEST_F(RunTest, OldResultsAreRemovedFirst) {
   fs::create_directories(folder_ / "out");
   for (const char* file : kOutputFiles) std::ofstream(folder_ / "out" / file) << "old";

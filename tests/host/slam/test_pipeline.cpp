@@ -105,7 +105,7 @@ TEST_F(PipelineTest, ACameraThatWasCarriedAcrossTheRoomIsFoundByWhatItKnowsOfThe
     // Then the nine before are known as well.
     ASSERT_EQ(result.recovered.size(), i < kTold ? 0 : kTold - kFound);
     for (std::size_t k = 0; k < result.recovered.size(); ++k)
-      EXPECT_LT(errorAt(kFound + k, result.recovered[k].world_from_camera, sequence), 0.02);
+      EXPECT_LT(errorAt(kFound + k, result.recovered[k].pose.world_from_camera, sequence), 0.02);
   }
 }
 
