@@ -16,6 +16,7 @@ void addEvalCommand(CLI::App& app);
 void addEvalMeshCommand(CLI::App& app);
 void addBenchCommand(CLI::App& app);
 void addExperimentCommand(CLI::App& app);
+void addRecordCommand(CLI::App& app);
 void addSendCommand(CLI::App& app);
 void addKeysCommand(CLI::App& app);
 

@@ -27,6 +27,7 @@ int runCommandLine(int argc, char** argv) {
 #ifdef ROSEFUSION_EXPERIMENTS
   addExperimentCommand(app);
 #endif
+  addRecordCommand(app);
   addSendCommand(app);
   addKeysCommand(app);
   try {

@@ -1,18 +1,15 @@
 #include "host/synth/tum_writer.h"
 
-#include <cstdio>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
-#include <system_error>
 #include <vector>
 
-#include "host/core/error.h"
 #include "host/core/file_io.h"
 #include "host/core/number_text.h"
+#include "host/core/staged_folder.h"
 #include "host/export/mesh_io.h"
+#include "host/export/png.h"
 #include "host/synth/noise.h"
 #include "host/synth/parallel.h"
 
@@ -21,15 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kReport = "synth.json";  // says that a folder holds a generated sequence
+
 std::string stampText(double timestamp) {
   return printed("%.6f", timestamp);
-}
-
-void writePng(const fs::path& file, const cv::Mat& image) {
-  std::vector<std::uint8_t> bytes;
-  // Level 1: twice as fast as the default and hardly larger for noisy depth.
-  cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
-  writeFileAtomically(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 void writeIndex(const fs::path& folder, const std::string& kind, const Trajectory& truth) {
@@ -57,77 +49,10 @@ const char* nameOf(Motion motion) {
   return "6d";
 }
 
-/// Where a sequence is made before it gets its name, and where the one that it replaces goes. Each is marked
-/// as ours to delete, as long as anything is in it.
-constexpr const char* kPartMark = ".rosefusion-part";
-fs::path partOf(fs::path folder) {
-  return folder += ".part";
-}
-fs::path replacedOf(fs::path folder) {
-  return folder += ".replaced.part";
-}
-
-bool isOurs(const fs::path& folder) {
-  std::error_code error;
-  if (fs::exists(folder / kPartMark, error)) return true;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
-    if (!entry.path().filename().string().starts_with(kPartMark))
-      return false;  // the mark itself may be unfinished
-  return !error;
-}
-
-/// The mark goes last: what is left by a process that is killed meanwhile is still ours.
-void removeOurs(const fs::path& folder) {
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
-    if (entry.path().filename() != kPartMark) fs::remove_all(entry.path(), error);
-  fs::remove_all(folder, error);
-}
-
-/// `part`, which is whole, gets its name. At every moment what has the name is whole.
-void takePlace(const fs::path& part, const fs::path& folder) {
-  const fs::path replaced = replacedOf(folder);
-  std::error_code error;
-  fs::remove(folder, error);  // empty, or a link
-  const bool replaces = fs::exists(folder, error);
-  if (replaces) {
-    writeFileAtomically(replaced / kPartMark, "");
-    fs::rename(folder, replaced / "sequence", error);
-  }
-  if (!error) fs::rename(part, folder, error);
-  if (error) {
-    const std::string reason = error.message();
-    if (replaces && !fs::exists(folder, error)) fs::rename(replaced / "sequence", folder, error);
-    removeOurs(replaced);
-    fs::remove(part / kPartMark, error);
-    throw InputError(folder.string() + ": cannot be replaced (" + reason + "); the sequence is in " +
-                     part.string() + ".");
-  }
-  fs::remove(folder / kPartMark, error);
-  removeOurs(replaced);
-}
-
 }  // namespace
 
 void requireUsableOutput(const fs::path& folder, bool force) {
-  if (folder.empty()) throw InputError("The sequence's folder has no name; give one.");
-  std::error_code error;
-  for (const fs::path& part : {partOf(settledPath(folder)), replacedOf(settledPath(folder))})
-    if (fs::exists(part, error) && !isOurs(part))
-      throw InputError(part.string() +
-                       ": is in the way and was not left by an interrupted run; move it, or give "
-                       "another folder.");
-  if (!fs::exists(folder, error)) return;
-  if (!fs::is_directory(folder, error))
-    throw InputError(folder.string() + ": is a file; give the name of a folder for the sequence.");
-  if (!force && !fs::is_empty(folder, error))
-    throw InputError(folder.string() + ": is not empty; give another folder, or --force to replace it.");
-  // A typing error must not cost someone a home folder.
-  if (force && !fs::is_empty(folder, error) && !fs::exists(folder / "synth.json", error))
-    throw InputError(
-        folder.string() +
-        ": holds something else than a generated sequence (no synth.json) and is not replaced; give "
-        "another folder.");
+  StagedFolder::requireUsable(folder, force ? kReport : "", "give another folder, or --force to replace it");
 }
 
 std::string synthReport(const SynthPlan& plan) {
@@ -182,41 +107,31 @@ std::string synthReport(const SynthPlan& plan) {
 
 void writeTumSequence(const fs::path& out, const SynthPlan& plan, bool force,
                       const std::function<void(int, int)>& progress) {
-  const fs::path folder = settledPath(out);
-  requireUsableOutput(folder, force);
-  const fs::path part = partOf(folder);
-  removeOurs(part);
-  removeOurs(replacedOf(folder));
-  writeFileAtomically(part / kPartMark, "");
-
+  StagedFolder folder(out, force ? kReport : "");
+  const fs::path& part = folder.part();
   const SynthOptions& options = plan.options();
   const int count = static_cast<int>(plan.truth().size());
   std::vector<std::uint8_t> seen(plan.scene().mesh.triangles.size(), 0);
   std::mutex progress_mutex;
   int done = 0;
-  try {
-    parallelFor(count, options.threads, [&](int i) {
-      const Frame frame = plan.renderFrame(i, &seen);
-      const std::string name = stampText(frame.timestamp) + ".png";
-      writePng(part / "depth" / name, frame.depth);
-      if (options.colour) writePng(part / "rgb" / name, frame.colour);
-      const std::lock_guard lock(progress_mutex);
-      ++done;
-      if (progress) progress(done, count);
-    });
-    writeIndex(part, "depth", plan.truth());
-    if (options.colour) writeIndex(part, "rgb", plan.truth());
-    writeTumTrajectory(part / "groundtruth.txt", plan.truth());
-    const Intrinsics& k = options.intrinsics;
-    writeFileAtomically(part / "calibration.txt", printed("%.9g %.9g %.9g %.9g\n", k.fx, k.fy, k.cx, k.cy));
-    writePly(part / "mesh.ply", plan.scene().mesh);
-    writePly(part / "mesh_seen.ply", seenPart(plan.scene().mesh, seen));
-    writeFileAtomically(part / "synth.json", synthReport(plan));
-  } catch (...) {
-    removeOurs(part);
-    throw;
-  }
-  takePlace(part, folder);
+  parallelFor(count, options.threads, [&](int i) {
+    const Frame frame = plan.renderFrame(i, &seen);
+    const std::string name = stampText(frame.timestamp) + ".png";
+    writePng(part / "depth" / name, frame.depth);
+    if (options.colour) writePng(part / "rgb" / name, frame.colour);
+    const std::lock_guard lock(progress_mutex);
+    ++done;
+    if (progress) progress(done, count);
+  });
+  writeIndex(part, "depth", plan.truth());
+  if (options.colour) writeIndex(part, "rgb", plan.truth());
+  writeTumTrajectory(part / "groundtruth.txt", plan.truth());
+  const Intrinsics& k = options.intrinsics;
+  writeFileAtomically(part / "calibration.txt", printed("%.9g %.9g %.9g %.9g\n", k.fx, k.fy, k.cx, k.cy));
+  writePly(part / "mesh.ply", plan.scene().mesh);
+  writePly(part / "mesh_seen.ply", seenPart(plan.scene().mesh, seen));
+  writeFileAtomically(part / kReport, synthReport(plan));
+  folder.takePlace();
 }
 
 }  // namespace rosefusion

@@ -34,7 +34,7 @@ Outcome program(const std::string& arguments, const std::string& environment = "
 
 TEST(CommandLine, EverySubcommandHasHelpWithAnExample) {
   for (const char* name : {"run", "check", "eval", "eval-mesh", "synth", "pst", "devices", "doctor", "bench",
-                           "experiment", "send"}) {
+                           "experiment", "send", "record"}) {
     const Outcome help = program(std::string(name) + " --help");
     EXPECT_EQ(help.code, 0) << name;
     EXPECT_THAT(help.text, HasSubstr("xample")) << name;
