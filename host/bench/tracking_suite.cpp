@@ -160,7 +160,7 @@ TrackedSequence judge(const std::string& name, const RunSummary& summary, const 
   out.name = name;
   out.tracked = summary.count(TrackingStatus::Tracked);
   out.uncertain = summary.count(TrackingStatus::Uncertain);
-  out.lost = frames - out.tracked - out.uncertain;
+  out.lost = frames - out.tracked - out.uncertain - summary.count(TrackingStatus::Relocalised);
   out.report = reportJson(summary, info, pipeline);
   const auto median = [](const nlohmann::ordered_json& figures) {
     return figures.at("median").is_number() ? figures.at("median").get<double>() : 0;
