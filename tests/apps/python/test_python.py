@@ -1,4 +1,5 @@
-"""The Python module: the README of host/public's quickstart as it stands there, then what it leaves out. test_python.py README"""
+"""The Python module: the README of host/public's quickstart as it stands there, then what it leaves out. test_python.py README STUBS"""
+import ast
 import locale
 import os
 import re
@@ -15,6 +16,7 @@ import camera
 import rosefusion
 
 README = sys.argv.pop(1)
+STUBS = sys.argv.pop(1)
 CAMERA = rosefusion.Camera(320, 240, 160, 160, 159.5, 119.5)
 QUICK = {"swarm.levels": "1024/16 512/8 256/4", "tracking.templates_per_level": 3, "volume.voxel_size": 0.03,
          "volume.truncation": 0.09}
@@ -34,6 +36,45 @@ class Quickstart(unittest.TestCase):
         truth = camera.STEP * (camera.FRAMES - 1)
         np.testing.assert_allclose(position, [truth, 0, 0], atol=0.01)
         self.assertGreater(len(names["mesh"].triangles), 5000)
+
+
+class Stubs(unittest.TestCase):
+    """rosefusion.pyi names what there is, and nothing else."""
+
+    @classmethod
+    def setUpClass(cls):
+        with open(STUBS) as file:
+            cls.tree = ast.parse(file.read())
+
+    def test_names_and_members(self):
+        told = {node.name for node in self.tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+        told |= {target.id for node in self.tree.body if isinstance(node, ast.Assign) for target in node.targets}
+        self.assertEqual(told, {name for name in vars(rosefusion) if not name.startswith("_")})
+        for node in self.tree.body:
+            if not isinstance(node, ast.ClassDef) or node.name == "Error":
+                continue
+            members = {part.name for part in node.body if isinstance(part, ast.FunctionDef)}
+            members |= {part.target.id for part in node.body if isinstance(part, ast.AnnAssign)}
+            public = {name for name in members if not name.startswith("_")}
+            there = {name for name in vars(getattr(rosefusion, node.name)) if not name.startswith("_")}
+            self.assertEqual(public, there, node.name)
+
+    def test_arguments(self):
+        compared = 0
+        functions = [("", node) for node in self.tree.body if isinstance(node, ast.FunctionDef)]
+        functions += [(node.name, part) for node in self.tree.body if isinstance(node, ast.ClassDef)
+                      for part in node.body if isinstance(part, ast.FunctionDef)]
+        for owner, node in functions:
+            holder = getattr(rosefusion, owner) if owner else rosefusion
+            document = getattr(holder, node.name).__doc__ or ""
+            told = [argument.arg for argument in node.args.args if argument.arg != "self"]
+            signatures = re.findall(rf"\b{node.name}\((.*)\) ->", document)
+            if node.name.startswith("__") and node.name != "__init__" or not told or not signatures or owner == "Status":
+                continue
+            real = [re.findall(r"(\w+): ", re.sub(r"\[[^][]*\]", "", text.replace("self: ", ""))) for text in signatures]
+            self.assertIn(told, real, f"{owner}.{node.name}")
+            compared += 1
+        self.assertGreaterEqual(compared, 5)
 
 
 class ForeignLocale(unittest.TestCase):
