@@ -36,14 +36,18 @@ double nearestStep(double size) {
   });
 }
 
-/// Of a depth in the middle of the scene: the sensor's, or what was measured there if that is more.
+/// Of a depth in the middle of the scene, as it was measured there: what a surface is off as a whole, which a
+/// sensor's model counts too, blurs none of it (tests/bench/notes/sensors.md#voxels-of-small-things). The
+/// sensor's where nothing was measured, and of a phone, whose depths are interpolated and look smoother than
+/// they are.
 double deviationInTheMiddle(const SceneMeasures& scene, const DepthSettings& depth) {
   const auto nearer = [&](const auto& one, const auto& other) {
     return std::abs(one.depth - scene.median_depth) < std::abs(other.depth - scene.median_depth);
   };
   const auto measured = std::min_element(scene.flat.begin(), scene.flat.end(), nearer);
-  return std::max(depth.deviationAt(scene.median_depth),
-                  measured == scene.flat.end() ? 0 : measured->deviation);
+  const bool is_measured = measured != scene.flat.end();
+  if (is_measured && !scene.phone) return measured->deviation;
+  return std::max(depth.deviationAt(scene.median_depth), is_measured ? measured->deviation : 0);
 }
 
 double voxelFor(const SceneMeasures& scene, const DepthSettings& depth) {

@@ -10,7 +10,8 @@ namespace {
 constexpr int kPixelStep = 4;               // for the distribution of depths
 constexpr double kLeastValid = 0.002;       // share of the pixels
 constexpr double kBeside = 0.05;            // of the valid pixels, on each side of what is taken as the view
-constexpr int kPiecesAcross = 20;           // that planes are fitted to, over the image's width
+constexpr int kPiecesAcross = 20;           // that planes are fitted to, over the width of what has depth
+constexpr int kLeastSide = 8;               // of a piece, pixels
 constexpr double kLeastCovered = 0.2;       // of a piece
 constexpr std::size_t kLeastPieces = 20;    // of one depth
 constexpr double kDepthsOfOne = 1.4142136;  // factor between the ends of one depth's bin
@@ -71,10 +72,10 @@ std::vector<SceneMeasures::Deviation> flatDeviations(std::vector<SceneMeasures::
 std::optional<SceneMeasures> surveyScene(std::span<const cv::Mat> depths, const Intrinsics& camera,
                                          double depth_units_per_metre, const DepthSettings& range) {
   std::vector<double> distances, columns;
-  std::vector<SceneMeasures::Deviation> pieces;
+  std::vector<cv::Mat> images;
   std::size_t looked_at = 0;
   for (const cv::Mat& depth : depths) {
-    cv::Mat metres;
+    cv::Mat& metres = images.emplace_back();
     depth.convertTo(metres, CV_32F, 1 / depth_units_per_metre);
     metres.setTo(0, (metres < range.min) | (metres > range.max) | (depth == 65535));
     for (int v = 0; v < metres.rows; v += kPixelStep)
@@ -83,10 +84,6 @@ std::optional<SceneMeasures> surveyScene(std::span<const cv::Mat> depths, const 
           distances.push_back(z);
           columns.push_back(u);
         }
-    const int side = std::max(8, metres.cols / kPiecesAcross);
-    for (int v = 0; v + side <= metres.rows; v += side)
-      for (int u = 0; u + side <= metres.cols; u += side)
-        if (const auto piece = deviationOf(metres(cv::Rect(u, v, side, side)))) pieces.push_back(*piece);
   }
   if (distances.empty() ||
       static_cast<double>(distances.size()) < kLeastValid * static_cast<double>(looked_at))
@@ -95,10 +92,17 @@ std::optional<SceneMeasures> surveyScene(std::span<const cv::Mat> depths, const 
   scene.valid_share = static_cast<double>(distances.size()) / static_cast<double>(looked_at);
   scene.median_depth = quantile(distances, 0.5);
   scene.far_depth = quantile(distances, 0.9);
-  scene.view_width =
-      (quantile(columns, 1 - kBeside) - quantile(columns, kBeside)) / (1 - 2 * kBeside) / camera.fx;
+  const double pixels = (quantile(columns, 1 - kBeside) - quantile(columns, kBeside)) / (1 - 2 * kBeside);
+  scene.view_width = pixels / camera.fx;
   scene.pixel_width = 1 / camera.fx;
   scene.phone = std::minmax(camera.width, camera.height) == std::minmax(256, 192);
+  // Of a thing that covers little of the image, larger pieces would hold its shape and not the noise.
+  std::vector<SceneMeasures::Deviation> pieces;
+  const int side = std::max(kLeastSide, static_cast<int>(pixels) / kPiecesAcross);
+  for (const cv::Mat& metres : images)
+    for (int v = 0; v + side <= metres.rows; v += side)
+      for (int u = 0; u + side <= metres.cols; u += side)
+        if (const auto piece = deviationOf(metres(cv::Rect(u, v, side, side)))) pieces.push_back(*piece);
   scene.flat = flatDeviations(std::move(pieces));
   return scene;
 }

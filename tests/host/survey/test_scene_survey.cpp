@@ -123,6 +123,17 @@ TEST(SceneSurvey, AThingCutOutIsAsSmallAsItIs) {
   EXPECT_EQ(resolved(automatic(), survey(floorFrom(0.5, kinect))).volume.voxel_size, 0.01);
 }
 
+// A Kinect's floor of 5 mm is what a surface's depths are off together, and blurs none of it.
+TEST(SceneSurvey, ASmallThingGetsTheFinestVoxelsOfAKinectToo) {
+  cv::Mat depth = floorFrom(0.4, kinect);
+  depth.colRange(0, 270).setTo(0);
+  depth.colRange(370, 640).setTo(0);
+  const Settings taken = resolved(automatic(), survey(depth));
+  EXPECT_EQ(taken.depth.sensor, DepthSensor::kKinect1);
+  EXPECT_EQ(taken.volume.voxel_size, 0.0025);
+  EXPECT_EQ(taken.volume.truncation, 0.01);
+}
+
 TEST(SceneSurvey, ImagesThatShowLittleAreTakenFromLittleOn) {
   cv::Mat depth = cv::Mat::zeros(kCamera.height, kCamera.width, CV_16UC1);
   const cv::Rect thing(290, 200, 60, 80);  // 1.6 % of the pixels
