@@ -39,7 +39,7 @@ void RefinePass::record(Recorder& recorder, const Volume& volume, const SelectPo
                             weights.noise.bias_growth,
                             weights.model_noise,
                             weights.front_only};
-  recorder.dispatch(kernels_.of(volume.chunks()),
+  recorder.dispatch(kernels_.of(volume.chunks(), addsManyTerms(points.cells(), parts_ * kRefineGroup)),
                     {volume.layoutBuffer(), volume.table(), volume.tsdf(), points.points(), points.count(),
                      candidates_, sums_, volume.weight()},
                     params, Threads{parts_ * kRefineGroup, count_});

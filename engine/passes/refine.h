@@ -30,7 +30,9 @@ class RefinePass {
   explicit RefinePass(Device& device);
 
   /// Makes the kernel now, not inside the first record().
-  void prepare(const VolumeView& volume) { kernels_.of(volume.chunks()); }
+  void prepare(const VolumeView& volume) {
+    kernels_.of(volume.chunks(), device_.info().type == DeviceType::Cpu);
+  }
 
   /// At each candidate. Points without a distance (truncated or unobserved voxels beside them) count only in
   /// the costs, and there only where the last image, of `last_camera`, holds them with all voxels beside
@@ -43,7 +45,7 @@ class RefinePass {
 
  private:
   Device& device_;
-  KernelVariants kernels_;  ///< by number of pool chunks
+  KernelVariants kernels_;  ///< by number of pool chunks, and whether lanes compensate
   Buffer candidates_, sums_;
   std::uint32_t count_ = 0, parts_ = 0;
 };

@@ -32,7 +32,7 @@ void RefineColourPass::record(Recorder& recorder, const Volume& volume, const De
   if (sums_.bytes() < bytes) sums_ = Buffer(device_, bytes, Memory::Readback);
 
   const RefineColourParams params{camera.focal_centre, camera.size, huber, parts_, 0, 0};
-  recorder.dispatch(kernels_.of(volume.chunks()),
+  recorder.dispatch(kernels_.of(volume.chunks(), addsManyTerms(points.cells(), parts_ * kRefineColourGroup)),
                     {volume.layoutBuffer(), volume.table(), volume.colour(), points.points(), points.count(),
                      frame.colour, candidates_, sums_},
                     params, Threads{parts_ * kRefineColourGroup, count_});

@@ -28,7 +28,7 @@ class RefineColourPass {
 
  private:
   Device& device_;
-  KernelVariants kernels_;  ///< by number of pool chunks
+  KernelVariants kernels_;  ///< by number of pool chunks, and whether lanes compensate
   Buffer candidates_, sums_;
   std::uint32_t count_ = 0, parts_ = 0;
 };

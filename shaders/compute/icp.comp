@@ -67,8 +67,8 @@ void main() {
     vec3 moment = cross(arm, n);
     float jacobian[6] = float[6](n.x, n.y, n.z, moment.x, moment.y, moment.z);
     ADD_EQUATION(jacobian, 1.0, residual)
-    add(sum[kIcpSquares], residual * residual);
-    add(sum[kIcpPairs], 1.0);
+    accumulate(sum[kIcpSquares], residual * residual);
+    accumulate(sum[kIcpPairs], 1.0);
   } while ((cell += kIcpGroup) < end);
 
   WRITE_SUMS(lane, part * kIcpSums)

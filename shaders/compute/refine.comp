@@ -86,12 +86,12 @@ void main() {
     if (usable && params.front_only != 0u && near.largest < kTruncated &&
         dot(near.gradient, arm) > kBackCosine * length(near.gradient) * length(arm)) continue;
     if (!usable && !inImage((last_image * vec4(p, 1.0)).xyz, ivec2(params.last_image.xy), params.last_image.z)) continue;
-    add(sum[kRefineMostCost], cost_weight * most);
-    add(sum[kRefineCost], cost_weight * (usable ? robust(residual) : most));
+    accumulate(sum[kRefineMostCost], cost_weight * most);
+    accumulate(sum[kRefineCost], cost_weight * (usable ? robust(residual) : most));
     if (!usable) continue;
-    add(sum[kRefineCostWeight], cost_weight);
-    add(sum[kRefineUsable], 1.0);
-    add(sum[kRefineClose], abs(residual) < max(params.huber, kCloseDeviations * noise) ? 1.0 : 0.0);
+    accumulate(sum[kRefineCostWeight], cost_weight);
+    accumulate(sum[kRefineUsable], 1.0);
+    accumulate(sum[kRefineClose], abs(residual) < max(params.huber, kCloseDeviations * noise) ? 1.0 : 0.0);
     // Beside what was not observed the step to there would look like a slope.
     if (near.largest >= kTruncated) continue;
     // The smooth gradient: that of a cell alone is so noisy that a flat wall seems to hold shifts along it.

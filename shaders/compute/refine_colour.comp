@@ -71,8 +71,8 @@ void main() {
                                                                          model.value);
     float weight = min(1.0, params.huber / max(size, 1e-9));
     ADD_EQUATION(jacobian, weight, residual)
-    add(sum[kRefineColourCost], size <= params.huber ? 0.5 * size * size : params.huber * (size - 0.5 * params.huber));
-    add(sum[kRefineColourPoints], 1.0);
+    accumulate(sum[kRefineColourCost], size <= params.huber ? 0.5 * size * size : params.huber * (size - 0.5 * params.huber));
+    accumulate(sum[kRefineColourPoints], 1.0);
   } while ((i += kRefineColourGroup) < end);
 
   WRITE_SUMS(lane, (number * params.parts + part) * kRefineColourSums)

@@ -12,8 +12,15 @@ g++ -O1 -std=c++20 "$here/shader_statistics.cpp" -o "$scratch/statistics" -lvulk
 icd=$(ls /usr/share/vulkan/icd.d/radeon_icd*.json)
 export XDG_RUNTIME_DIR=$scratch VK_ICD_FILENAMES=$icd VK_DRIVER_FILES=$icd MESA_SHADER_CACHE_DISABLE=1
 
-# Specialisation constants of the default path: one pool; of fitness also the squared loss, compensated, overlap, no race.
-constants() { if [[ $1 == fitness ]]; then echo 1 0 1 1 0; else echo 1; fi; }
+# Specialisation constants of the default path: one pool; of fitness also the squared loss, compensated, overlap, no race;
+# of the descents that a lane of a GPU adds few terms.
+constants() {
+  case $1 in
+    fitness) echo 1 0 1 1 0 ;;
+    refine | refine_colour) echo 1 0 ;;
+    *) echo 1 ;;
+  esac
+}
 value() { sed -n "s/.*|$1 \([0-9]*\)|.*/\1/p" <<<"|$2"; }
 
 version=$(dpkg-query -W -f='${Version}' mesa-vulkan-drivers 2>/dev/null || echo unknown)
@@ -26,7 +33,8 @@ echo
 # Mesa 22 calls it by its instruction set, later ones by its chip.
 rdna3=gfx1100
 any=("$folder"/*.spv)
-if RADV_FORCE_FAMILY=$rdna3 "$scratch/statistics" "${any[0]}" 1 2>&1 | grep -q "Unknown family"; then rdna3=navi31; fi
+said=$(RADV_FORCE_FAMILY=$rdna3 "$scratch/statistics" "${any[0]}" 1 2>&1) || true
+[[ $said != *"Unknown family"* ]] || rdna3=navi31
 families=(polaris10 vega10 navi10 navi21 "$rdna3")
 printf '| shader |'; printf ' %s |' "${families[@]}"; echo
 printf '%s' '|---|'; printf '%.0s---|' "${families[@]}"; echo
