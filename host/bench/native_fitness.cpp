@@ -55,7 +55,11 @@ template <bool kSquared>
   alignas(64) float sum[kLanes] = {}, lost[kLanes] = {};
   for (const glm::vec4& p : points) {
     const float px = p.x, py = p.y, pz = p.z;
+#ifdef __clang__
+#pragma clang loop vectorize(assume_safety)
+#else
 #pragma GCC ivdep
+#endif
     for (int k = 0; k < kLanes; ++k) {
       const float x = r[0][k] * px + r[3][k] * py + r[6][k] * pz + t[0][k];
       const float y = r[1][k] * px + r[4][k] * py + r[7][k] * pz + t[1][k];
@@ -90,8 +94,14 @@ using SumLosses = void (*)(const NativeVolume&, const LanePoses&, std::span<cons
 ROSEFUSION_VARIANT(sumPlain, )
 #ifdef __x86_64__
 ROSEFUSION_VARIANT(sumAvx2, __attribute__((target("avx2,fma"))))
+#ifdef __clang__  // knows no preference of a width in an attribute
+#define ROSEFUSION_WIDTH
+#else
+#define ROSEFUSION_WIDTH ",prefer-vector-width=512"
+#endif
 ROSEFUSION_VARIANT(sumAvx512,
-                   __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw,fma,prefer-vector-width=512"))))
+                   __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw,fma" ROSEFUSION_WIDTH))))
+#undef ROSEFUSION_WIDTH
 #endif
 #undef ROSEFUSION_VARIANT
 
