@@ -43,10 +43,10 @@ bool DetachedMaps::Loss::isLong() const {
   return frames_ >= kLongLossFrames && now_ - *since_ >= kLongLoss;
 }
 
-void DetachedMaps::clear() {
+void DetachedMaps::giveUp() {
   maps_.clear();
   active_ = nullptr;
-  loss_ = active_loss_ = {};
+  device_is_full_ = true;
 }
 
 void DetachedMaps::remove(const DetachedMap& map) {

@@ -50,7 +50,8 @@ class DetachedMaps {
   void add(Submap& first, const Frame& frame, FrameResult& result);
   /// Those that are not connected to the first.
   std::span<const std::unique_ptr<DetachedMap>> all() const { return maps_; }
-  void clear();
+  /// Frees the device's memory for the first map, for good.
+  void giveUp();
 
  private:
   /// How long a camera has been lost.

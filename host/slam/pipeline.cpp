@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include "engine/error.h"
 #include "engine/passes/sum_check.h"
 #include "host/core/error.h"
 #include "host/settings/automatic.h"
@@ -77,9 +78,22 @@ void Pipeline::changeLive(const Settings& settings) {
 
 FrameResult Pipeline::processFrame(const Frame& frame) {
   if (loops_ || !method_->relocalises()) return followAndWeigh(first_, frame);
-  FrameResult result = detached_.asksFirst(first_) ? followAndWeigh(first_, frame) : unasked(frame);
+  FrameResult result = detached_.asksFirst(first_) ? followInFirst(frame) : unasked(frame);
   detached_.add(first_, frame, result);
   return result;
+}
+
+FrameResult Pipeline::followInFirst(const Frame& frame) {
+  if (detached_.all().empty()) return followAndWeigh(first_, frame);
+  const TrackingState before = first_.state;
+  try {
+    return followAndWeigh(first_, frame);
+  } catch (const DeviceError& error) {
+    if (error.code() != DeviceErrorCode::OutOfMemory) throw;
+    detached_.giveUp();
+    first_.state = before;
+    return followAndWeigh(first_, frame);
+  }
 }
 
 FrameResult Pipeline::unasked(const Frame& frame) {

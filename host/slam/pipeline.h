@@ -55,6 +55,8 @@ class Pipeline {
   /// Replaces a model that hardly a frame has confirmed by one of the frames that do not fit it.
   void weighStart(Submap& at, const Frame& frame, FrameResult& result);
   FrameResult followAndWeigh(Submap& at, const Frame& frame);
+  /// followAndWeigh() in the first map, to which detached maps give way where the device is full.
+  FrameResult followInFirst(const Frame& frame);
   /// Of a frame that is not looked for in the first map, where the camera is lost.
   FrameResult unasked(const Frame& frame);
   void preprocess(const Submap& at, const Frame& frame, FrameResult& result);
