@@ -121,10 +121,10 @@ Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& p
 std::string framesCsv(const RunSummary& summary) {
   TextStream out;
   out << "frame,timestamp_s,status,reason,iterations,lookups,residual_truncations,overlap_share,valid_share,"
-         "fit_cost,fit_usable,fit_close,fit_constraint,deviation_m,deviation_rad,intruding_share,fused,"
+         "fit_cost,fit_usable,fit_close,fit_constraint,deviation_m,deviation_rad,intruding_share,fused,map,"
          "tx_m,ty_m,tz_m,"
          "qx,qy,qz,qw,total_ms,preprocess_ms,track_ms,integrate_ms,loops_ms,loop_to_s,loop_shift_m,loop_turn_"
-         "rad,map\n";
+         "rad\n";
   for (const RunFrame& f : summary.frames) {
     const FrameResult& r = f.result;
     const Eigen::Vector3d t = r.world_from_camera.translation();
@@ -138,7 +138,10 @@ std::string framesCsv(const RunSummary& summary) {
           << r.fit->observability << ',' << r.fit->shiftDeviation() << ',' << r.fit->turnDeviation();
     else
       out << ",,,,,,";
-    out << ',' << r.intruding << ',' << (r.fused ? 1 : 0);
+    out << ',' << r.intruding << ',' << (r.fused ? 1 : 0) << ','
+        << (r.detached_map ? *r.detached_map
+            : r.number     ? 1
+                           : 0);
     out << ',' << t.x() << ',' << t.y() << ',' << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ','
         << q.w() << std::setprecision(3) << ',' << r.milliseconds.total << ',' << r.milliseconds.preprocess
         << ',' << r.milliseconds.track << ',' << r.milliseconds.integrate << ',' << r.milliseconds.loops
@@ -147,7 +150,7 @@ std::string framesCsv(const RunSummary& summary) {
       out << std::setprecision(6) << r.loop->timestamp << ',' << r.loop->shift << ',' << r.loop->turn;
     else
       out << ",,";
-    out << ',' << (r.detached_map ? *r.detached_map : r.number ? 1 : 0) << '\n';
+    out << '\n';
   }
   return out.str();
 }

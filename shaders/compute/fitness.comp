@@ -26,36 +26,36 @@ layout(std430, binding = kFitnessBindCount) readonly restrict buffer Count { uin
 layout(std430, binding = kFitnessBindPartial) writeonly restrict buffer Partial { vec4 partial[]; };
 UNIFORM_PARAMETERS(OverlapView, overlap, kFitnessBindOverlap)
 
-// From points to voxels from the page table's corner as a particle has it, and from there to the last frame's image, which
-// is the same for all.
-struct Way {
+// A particle's way from the camera to voxels from the page table's corner, and to the last frame's image.
+struct Candidate {
   mat3 rotation;
   vec3 translation;
+  mat3 image_rotation;
+  vec3 image_translation;
 };
 
-Way wayOf(uint particle) {
+Candidate candidate(uint particle) {
   uint entry = 2u * (params.first_particle + particle);
   vec4 turn = quaternionOf(templateAt(entry + 1u).xyz * params.rotation_lengths.xyz);
   vec3 shift = templateAt(entry).xyz * params.translation_lengths.xyz;
-  vec3 translation = params.world_from_camera[3].xyz + shift;
-  return Way(rotationOf(turn) * mat3(params.world_from_camera) * volume.scale.y,
-             translation * volume.scale.y - vec3(volume.table_origin.xyz * kBlockSide));
+  Candidate c;
+  c.rotation = rotationOf(turn) * mat3(params.world_from_camera);
+  c.translation = params.world_from_camera[3].xyz + shift;
+  if (kOverlapPerParticle) {
+    c.image_rotation = mat3(overlap.image_from_world) * c.rotation;
+    c.image_translation = (overlap.image_from_world * vec4(c.translation, 1.0)).xyz;
+  }
+  c.rotation *= volume.scale.y;
+  c.translation = c.translation * volume.scale.y - vec3(volume.table_origin.xyz * kBlockSide);
+  return c;
 }
 
-Way imageFromVoxels() {
-  if (!kOverlapPerParticle) return Way(mat3(0.0), vec3(0.0));
-  vec3 corner = vec3(volume.table_origin.xyz * kBlockSide) * volume.scale.x;
-  return Way(mat3(overlap.image_from_world) * volume.scale.x, (overlap.image_from_world * vec4(corner, 1.0)).xyz);
+bool counts(Candidate c, vec3 point) {
+  return !kOverlapPerParticle || inImage(c.image_rotation * point + c.image_translation, overlap.size.xy, 0.0);
 }
 
-vec3 along(Way way, vec3 point) { return way.rotation * point + way.translation; }
-
-bool counts(Way image_from_voxels, vec3 voxel) {
-  return !kOverlapPerParticle || inImage(along(image_from_voxels, voxel), overlap.size.xy, 0.0);
-}
-
-float term(vec3 voxel) {
-  float psi = tsdfNearest(voxel);
+float term(Candidate c, vec3 point) {
+  float psi = tsdfNearest(c.rotation * point + c.translation);
   return kLoss == kLossSquared ? psi * psi : abs(psi);
 }
 
@@ -64,19 +64,18 @@ void main() {
   uint share = (params.particles + kFitnessParticles - 1u) / kFitnessParticles;
   uint first = gl_GlobalInvocationID.x;
   if (first >= share) return;
-  Way image_from_voxels = imageFromVoxels();
-  Way ways[kFitnessParticles];
+  Candidate candidates[kFitnessParticles];
   CompensatedSum loss[kFitnessParticles];
   float counted[kFitnessParticles];
   for (uint k = 0u; k < kFitnessParticles; ++k) {
     // Past the end the last particle is repeated and its result dropped.
-    ways[k] = wayOf(min(first + k * share, params.particles - 1u));
+    candidates[k] = candidate(min(first + k * share, params.particles - 1u));
     loss[k] = CompensatedSum(0.0, 0.0);
     counted[k] = 0.0;
   }
-  Way centre;  // particle 0, which the others race against
+  Candidate centre;  // particle 0, which the others race against
   float centre_loss = 0.0, centre_counted = 0.0;
-  if (kRace) centre = wayOf(0u);
+  if (kRace) centre = candidate(0u);
 
   uint total = count[0];
   uint slice = gl_WorkGroupID.y;
@@ -88,10 +87,9 @@ void main() {
     for (uint i = begin + round; i < end; i += rounds) {
       vec3 point = pointAt(i).xyz;
       for (uint k = 0u; k < kFitnessParticles; ++k) {
-        vec3 voxel = along(ways[k], point);
-        float value = term(voxel);
+        float value = term(candidates[k], point);
         if (kOverlapPerParticle) {
-          bool here = counts(image_from_voxels, voxel);
+          bool here = counts(candidates[k], point);
           value = here ? value : 0.0;
           counted[k] += here ? 1.0 : 0.0;
         }
@@ -99,9 +97,8 @@ void main() {
         else loss[k].sum += value;
       }
       if (kRace) {
-        vec3 voxel = along(centre, point);
-        bool here = counts(image_from_voxels, voxel);
-        centre_loss += here ? term(voxel) : 0.0;
+        bool here = counts(centre, point);
+        centre_loss += here ? term(centre, point) : 0.0;
         centre_counted += here ? 1.0 : 0.0;
         walked += 1.0;
       }
