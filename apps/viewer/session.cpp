@@ -304,8 +304,8 @@ void Session::publish(const SourceFrame& frame, const FrameResult& result) {
   const bool found = result.status != TrackingStatus::Lost;
   if (result.loop || result.stretch_closed) correctPath();
   if (result.loop) say(told(*result.loop));
-  for (const std::size_t map : result.joined)
-    say("Map " + std::to_string(map) + ", made while the camera was lost, is connected to the first.");
+  for (const JoinedMap& joined : result.joined)
+    if (joined.into == 1) say("A map that was made while the camera was lost is connected to the first.");
   if (result.began_anew) {
     path_.assign(1, {Eigen::Vector3d::Zero(), 0, false});
     last_pose_ = StampedPose{last_timestamp_, Pose::Identity()};

@@ -94,9 +94,11 @@ void recover(RunSummary& summary, const FrameResult& last, std::size_t index) {
     result.world_from_camera = recovered.pose.world_from_camera;
     result.number = recovered.number;
   }
-  for (const std::size_t map : last.joined) {
-    summary.joined.push_back({map, index});
-    spdlog::info("Map {} is connected to the first map by frame {}.", map, index);
+  for (const JoinedMap& joined : last.joined) {
+    spdlog::info("Map {} is connected to map {} by frame {}.", joined.map, joined.into, index);
+    if (joined.into == 1) summary.joined.push_back({joined.map, index});
+    for (RunFrame& f : summary.frames)
+      if (joined.into != 1 && f.result.detached_map == joined.map) f.result.detached_map = joined.into;
   }
 }
 

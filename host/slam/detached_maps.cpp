@@ -72,14 +72,14 @@ void DetachedMaps::add(Submap& first, const Frame& frame, FrameResult& result) {
     if (here.status != TrackingStatus::Lost) {
       if (lost) {
         tellOf(*active_, here, result);
-        lookForOthers(*active_, active_->number, &active_->frames, frame, here, result);
-      } else if (join(first, nullptr, result.world_from_camera, result.fused, *active_, here, &result)) {
+        lookForOthers(*active_, active_, frame, here, result);
+      } else if (join(first, nullptr, result.world_from_camera, result.fused, *active_, here, result)) {
         return;
       }
     }
     if (result.fused) active_ = nullptr;  // it goes on in the first
   } else if (result.fused && !maps_.empty()) {
-    lookForOthers(first, 1, nullptr, frame, result, result);
+    lookForOthers(first, nullptr, frame, result, result);
   }
   const bool is_tentative = std::holds_alternative<Verifying>(first.state);
   if (lost && !is_tentative && loss_.isLong() && (!active_ || active_loss_.isLong())) begin(frame, result);
@@ -127,22 +127,22 @@ FrameResult DetachedMaps::follow(DetachedMap& map, const Frame& frame, FrameResu
   return here;
 }
 
-void DetachedMaps::lookForOthers(Submap& in, std::size_t number, KeptFrames* frames, const Frame& frame,
+void DetachedMaps::lookForOthers(Submap& in, DetachedMap* detached, const Frame& frame,
                                  const FrameResult& found, FrameResult& result) {
   const std::size_t keyframes = in.map.keyframes.all().size();
   const bool is_new_keyframe = std::exchange(keyframes_, keyframes) != keyframes;
   std::vector<DetachedMap*> asked;
   for (const auto& map : maps_)
-    if (map->number != number && std::holds_alternative<Verifying>(map->state)) asked.push_back(map.get());
+    if (map.get() != detached && std::holds_alternative<Verifying>(map->state)) asked.push_back(map.get());
   if (asked.empty() && is_new_keyframe) {
     DetachedMap* next = maps_[asked_++ % maps_.size()].get();
-    if (next->number != number) asked.push_back(next);
+    if (next != detached) asked.push_back(next);
   }
   for (DetachedMap* map : asked) {
     const FrameResult here = follow(*map, frame, result);
     if (device_is_full_) return;
     if (here.status != TrackingStatus::Lost)
-      join(in, frames, found.world_from_camera, found.fused, *map, here, number == 1 ? &result : nullptr);
+      join(in, detached, found.world_from_camera, found.fused, *map, here, result);
   }
 }
 
@@ -154,8 +154,8 @@ bool DetachedMaps::contradicts(Submap& into, const DetachedMap& map, const Pose&
   return sum > intruding_share_ * static_cast<double>(map.frames.all().size());
 }
 
-bool DetachedMaps::join(Submap& into, KeptFrames* frames, const Pose& there, bool integrated,
-                        DetachedMap& map, const FrameResult& here, FrameResult* result) {
+bool DetachedMaps::join(Submap& into, DetachedMap* detached, const Pose& there, bool integrated,
+                        DetachedMap& map, const FrameResult& here, FrameResult& result) {
   const std::optional<DetachedMap::Both> before =
       std::exchange(map.last_both, DetachedMap::Both{here.world_from_camera, there});
   if (!before || !integrated || !here.fused) return false;
@@ -172,17 +172,19 @@ bool DetachedMaps::join(Submap& into, KeptFrames* frames, const Pose& there, boo
     if (!known.insert(pose.timestamp).second) continue;
     const StampedPose carried{pose.timestamp, into_from_map * pose.world_from_camera};
     numbers.back() = into.map.insert(carried);  // ascending, so that the ones before stay
-    if (frames) frames->renumber(*numbers.back());
-    if (result) result->recovered.push_back({*numbers.back(), carried, Reason::Joined});
+    if (detached)
+      detached->frames.renumber(*numbers.back());
+    else
+      result.recovered.push_back({*numbers.back(), carried, Reason::Joined});
   }
-  if (result) result->number = into.map.trajectory.size() - 1;
+  if (!detached) result.number = into.map.trajectory.size() - 1;
   for (const KeptFrames::Kept& kept : map.frames.all()) {
     const std::optional<std::size_t> number = numbers[kept.number];
     if (!number) continue;
     work_.fuse(into, kept.frame, into.map.trajectory[*number].world_from_camera, *number);
-    if (frames) frames->add({*number, kept.frame});
+    if (detached) detached->frames.add({*number, kept.frame});
   }
-  if (result) result->joined.push_back(map.number);
+  result.joined.push_back({map.number, detached ? detached->number : 1});
   remove(map);
   return true;
 }

@@ -68,11 +68,13 @@ class DetachedMaps {
 
   void begin(const Frame& frame, FrameResult& result);
   FrameResult follow(DetachedMap& map, const Frame& frame, FrameResult& result);
-  void lookForOthers(Submap& in, std::size_t number, KeptFrames* frames, const Frame& frame,
-                     const FrameResult& found, FrameResult& result);
-  /// Whether `map` belongs where the frame is `there`, and if so carries it over.
-  bool join(Submap& into, KeptFrames* frames, const Pose& there, bool integrated, DetachedMap& map,
-            const FrameResult& here, FrameResult* result);
+  /// Of a frame that was `found` in this map.
+  void lookForOthers(Submap& in, DetachedMap* detached, const Frame& frame, const FrameResult& found,
+                     FrameResult& result);
+  /// Whether `map` belongs where the frame is `there` in `into`, and if so carries it over. `detached`:
+  /// `into` where that is one; null: it is the first.
+  bool join(Submap& into, DetachedMap* detached, const Pose& there, bool integrated, DetachedMap& map,
+            const FrameResult& here, FrameResult& result);
   bool contradicts(Submap& into, const DetachedMap& map, const Pose& into_from_map) const;
   void remove(const DetachedMap& map);
 

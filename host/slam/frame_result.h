@@ -24,6 +24,11 @@ struct RecoveredPose {
   Reason reason = Reason::None;
 };
 
+/// Detached map `map` is now part of map `into`.
+struct JoinedMap {
+  std::size_t map = 0, into = 1;
+};
+
 struct FrameResult {
   double timestamp = 0;
   /// World = the camera of the first fused frame. When lost: the last pose that was tracked or uncertain.
@@ -50,8 +55,8 @@ struct FrameResult {
   std::optional<std::size_t> detached_map;
   /// That map begins anew with the frame before this one, as the first does with `began_anew`.
   bool detached_began_anew = false;
-  /// Detached maps that this frame connects to the first; their poses are among `recovered`.
-  std::vector<std::size_t> joined;
+  /// Maps that this frame connects. The poses of those that come to the first, number 1, are in `recovered`.
+  std::vector<JoinedMap> joined;
   /// The camera is held again: poses of frames before, which depth had left open, have changed; see
   /// Pipeline::trajectory().
   bool stretch_closed = false;

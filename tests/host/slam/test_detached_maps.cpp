@@ -55,7 +55,9 @@ TEST_F(DetachedMapsTest, WhatWasSeenWhileLostIsJoinedWhereThePlaceIsKnown) {
     }
     if (!result.joined.empty()) {
       joined_at = i;
-      EXPECT_EQ(result.joined, std::vector<std::size_t>{2});
+      ASSERT_EQ(result.joined.size(), 1u);
+      EXPECT_EQ(result.joined[0].map, 2u);
+      EXPECT_EQ(result.joined[0].into, 1u);
       EXPECT_GT(result.recovered.size(), 10u)
           << "the others were found in the first map before it believed them";
       EXPECT_GT(pipeline.volume().blockCount(), blocks_before + blocks_before / 4)
