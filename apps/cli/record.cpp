@@ -36,18 +36,20 @@ void record(const RecordOptions& o) {
     Progress progress("frames");
     const std::size_t most = o.source.selection.max_frames, expected = source->expectedFrames();
     SourceFrame frame;
-    while (!most || writer.frames() < most) {
-      state = source->next(frame, interrupted);
-      if (state != SourceState::Frame) break;
-      dropped += frame.dropped;
-      if (!frame.problem.empty()) spdlog::warn("{}", frame.problem);
-      try {
+    try {
+      while (!most || writer.frames() < most) {
+        state = source->next(frame, interrupted);
+        if (state != SourceState::Frame) break;
+        dropped += frame.dropped;
+        if (!frame.problem.empty()) spdlog::warn("{}", frame.problem);
         if (!frame.usable || !writer.add(frame.frame)) ++left_out;
-      } catch (const InputError&) {
-        if (writer.frames() > 0) writer.finish();  // a full disk has room for that
-        throw;
+        progress.update(writer.frames(), most ? most : expected);
       }
-      progress.update(writer.frames(), most ? most : expected);
+    } catch (const InputError&) {  // an unplugged camera, or a full disk, which has room for a name
+      if (writer.frames() == 0) throw;
+      writer.finish();
+      spdlog::warn("{}: holds the {} frames that came before.", o.out, writer.frames());
+      throw;
     }
   }
   if (writer.frames() == 0) throw InputError(o.source.source + ": no frame came that could be recorded.");

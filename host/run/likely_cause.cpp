@@ -31,6 +31,14 @@ std::string causeInFrames(const RunSummary& summary) {
   };
   const auto first =
       static_cast<std::size_t>(std::find_if(frames.begin(), frames.end(), is_lost) - frames.begin());
+  const auto apart = std::count_if(frames.begin(), frames.end(),
+                                   [&](const RunFrame& f) { return is_lost(f) && f.result.detached_map; });
+  if (2 * static_cast<std::size_t>(apart) > summary.count(TrackingStatus::Lost))
+    return printed(
+        "from frame %zu on the camera saw nothing of what it had seen before; %zu of the frames hang "
+        "together in "
+        "maps of their own (map_2.txt); record a way that leads back, or begin there with --start N",
+        frames[first].index, static_cast<std::size_t>(apart));
   const double valid = medianValidShare(summary), valid_first = frames.front().result.score.valid_share;
   if (valid < kFewPixels)
     return printed(

@@ -4,13 +4,13 @@
 
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <regex>
 
 #include "host/core/error.h"
 #include "host/core/file_io.h"
 #include "host/core/system.h"
 #include "host/export/mesh_io.h"
+#include "host/export/png.h"
 #include "host/run/likely_cause.h"
 #include "host/run/preview.h"
 #include "host/run/report.h"
@@ -20,7 +20,10 @@
 namespace rosefusion {
 namespace {
 
-constexpr std::size_t kFewestOfMap = 10;  // frames, of a map of its own that is worth files
+TriangleMesh surfaceOf(ExtractPass& extract, const Volume& volume, const MeshSettings& mesh) {
+  return extractMesh(extract, volume,
+                     {static_cast<float>(mesh.min_weight), static_cast<std::size_t>(mesh.min_component)});
+}
 
 }  // namespace
 
@@ -64,15 +67,12 @@ void OutputFolder::removeEarlier() const {
 }
 
 void OutputFolder::writeDetachedMaps(ExtractPass& extract, Pipeline& pipeline) const {
-  const MeshSettings& mesh = pipeline.settings().mesh;
   for (const auto& detached : pipeline.detachedMaps()) {
     const Trajectory& trajectory = detached->map.trajectory;
-    if (trajectory.size() < kFewestOfMap) continue;
+    if (trajectory.size() < 2) continue;  // nothing was followed
     const std::string poses = detachedFile(detached->number, ".txt");
     writeTumTrajectory(folder_ / poses, trajectory);
-    const TriangleMesh surface =
-        extractMesh(extract, detached->map.volume,
-                    {static_cast<float>(mesh.min_weight), static_cast<std::size_t>(mesh.min_component)});
+    const TriangleMesh surface = surfaceOf(extract, detached->map.volume, pipeline.settings().mesh);
     if (!surface.triangles.empty()) writePly(folder_ / detachedFile(detached->number, ".ply"), surface);
     spdlog::warn(
         "{} frames between {:.3f} and {:.3f} s hang together, but no frame connects them to the first map; "
@@ -88,11 +88,8 @@ void OutputFolder::write(const RunSummary& summary, const SequenceInfo& info, Pi
   writeTumTrajectory(folder_ / "trajectory.txt", trajectory);
   writeFileAtomically(folder_ / "frames.csv", framesCsv(summary));
 
-  const MeshSettings& mesh = pipeline.settings().mesh;
   ExtractPass extract(pipeline.device());
-  TriangleMesh surface =
-      extractMesh(extract, pipeline.volume(),
-                  {static_cast<float>(mesh.min_weight), static_cast<std::size_t>(mesh.min_component)});
+  TriangleMesh surface = surfaceOf(extract, pipeline.volume(), pipeline.settings().mesh);
   if (surface.triangles.empty())
     spdlog::warn("mesh.ply is left out, for the model has no surface to show; {}",
                  lostMost(summary) ? "most frames were lost, and what was fused is too little."
@@ -100,9 +97,7 @@ void OutputFolder::write(const RunSummary& summary, const SequenceInfo& info, Pi
   else
     writePly(folder_ / "mesh.ply", surface);
   writeDetachedMaps(extract, pipeline);
-  std::vector<std::uint8_t> png;
-  cv::imencode(".png", renderOverview(pipeline, trajectory), png);
-  writeFileAtomically(folder_ / "preview.png", {reinterpret_cast<const char*>(png.data()), png.size()});
+  writePng(folder_ / "preview.png", renderOverview(pipeline, trajectory));
 
   if (page)
     writeFileAtomically(

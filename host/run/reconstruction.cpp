@@ -80,9 +80,10 @@ void forget(RunSummary& summary, std::size_t map) {
 
 /// Frames that were lost when they came have the poses that the last one makes known.
 void recover(RunSummary& summary, const FrameResult& last, std::size_t index) {
+  if (last.recovered.empty() && last.joined.empty()) return;
   std::map<double, RunFrame*> lost;
   for (RunFrame& f : summary.frames)
-    if (!last.recovered.empty() && !f.skipped && !f.result.number) lost[f.result.timestamp] = &f;
+    if (!f.skipped && !f.result.number) lost[f.result.timestamp] = &f;
   for (const RecoveredPose& recovered : last.recovered) {
     for (RunFrame& f : summary.frames)
       if (f.result.number && *f.result.number >= recovered.number) ++*f.result.number;

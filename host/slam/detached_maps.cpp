@@ -8,9 +8,7 @@
 namespace rosefusion {
 namespace {
 
-// Lost for so long, the camera is expected nowhere any more; in seconds and, of slow ones, in frames.
-constexpr double kLongLoss = 1;
-constexpr int kLongLossFrames = 10;
+constexpr int kLongLossFrames = 10;   // at least, of slow cameras and where stamps count frames
 constexpr std::size_t kMostMaps = 8;  // beyond, the smallest is given up
 constexpr std::size_t kAskedEvery = 5;
 // Metres and radians: two maps tell the camera's motion from one frame to the next alike.
@@ -40,7 +38,7 @@ void DetachedMaps::Loss::add(TrackingStatus status, double timestamp) {
 }
 
 bool DetachedMaps::Loss::isLong() const {
-  return frames_ >= kLongLossFrames && now_ - *since_ >= kLongLoss;
+  return frames_ >= kLongLossFrames && now_ - *since_ >= kCarriedOn;
 }
 
 void DetachedMaps::giveUp() {
@@ -139,8 +137,9 @@ void DetachedMaps::lookForOthers(Submap& in, DetachedMap* detached, const Frame&
     if (next != detached) asked.push_back(next);
   }
   for (DetachedMap* map : asked) {
+    const std::size_t maps = maps_.size();
     const FrameResult here = follow(*map, frame, result);
-    if (device_is_full_) return;
+    if (maps_.size() < maps) return;  // the device is full, and this one gone
     if (here.status != TrackingStatus::Lost)
       join(in, detached, found.world_from_camera, found.fused, *map, here, result);
   }

@@ -145,6 +145,7 @@ void Pipeline::weighStart(Submap& at, const Frame& frame, FrameResult& result) {
   const std::optional<ModelStart::Candidate> rival = at.start.rival(frame, told);
   if (!rival) return;
   const ModelStart::Candidate first = *at.start.first();
+  const Trajectory told_poses = at.map.trajectory;
   const auto beginWith = [&](const ModelStart::Candidate& candidate) {
     clear(at);
     follow(at, candidate.frame);
@@ -163,6 +164,7 @@ void Pipeline::weighStart(Submap& at, const Frame& frame, FrameResult& result) {
     result = again;
   } else {  // neither fits it: the first one stays
     beginWith(first);
+    at.map.trajectory = told_poses;  // their numbers are out
     at.state = withoutPose(at.state, thresholds());
   }
   at.start.rival(frame, told);

@@ -6,7 +6,6 @@ namespace rosefusion {
 namespace {
 
 constexpr std::size_t kRememberedCosts = 9;  // frames
-constexpr double kCarriedOn = 1;             // seconds that a lost camera is expected where its motion leads
 
 }  // namespace
 

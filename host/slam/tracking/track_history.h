@@ -10,6 +10,9 @@
 
 namespace rosefusion {
 
+/// Seconds that a lost camera is expected where its motion leads.
+inline constexpr double kCarriedOn = 1;
+
 /// A value: asking it changes nothing.
 struct TrackHistory {
   MotionModel motion;

@@ -75,5 +75,19 @@ TEST_F(Start, AGoodFirstImageStays) {
   EXPECT_LT(errorAt(4, last.world_from_camera, sequence_), 0.03);
 }
 
+// Poses that were told keep their numbers where the model is tried anew with what follows, and stays.
+TEST_F(Start, PosesOfAModelThatStaysAreKept) {
+  Pipeline pipeline = make();
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(pipeline.processFrame(sequence_.frames[i]).number, i);
+  for (std::size_t i = 2; i < 4; ++i) {
+    Frame frame = sequence_.frames[i];
+    frame.depth = cv::Mat(frame.depth.size(), CV_16UC1);
+    cv::theRNG().state = i;
+    cv::randu(frame.depth, 2000, 20000);
+    EXPECT_FALSE(pipeline.processFrame(frame).began_anew);
+  }
+  EXPECT_EQ(pipeline.trajectory().size(), 2u);
+}
+
 }  // namespace test_start
 }  // namespace rosefusion::testing
