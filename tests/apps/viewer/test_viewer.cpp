@@ -14,6 +14,7 @@
 #include "host/settings/settings.h"
 #include "host/synth/tum_writer.h"
 #include "tests/host/core/temporary_folder.h"
+#include "tests/host/synth/rooms.h"
 
 namespace rosefusion::testing {
 namespace test_viewer {
@@ -45,7 +46,7 @@ class ViewerTest : public ::testing::Test {
  protected:
   void SetUp() override {
     SynthOptions options;
-    options.seed = 5;
+    options.seed = kAnyRoom;
     options.frames = 30;
     options.intrinsics = {320, 240, 320, 320, 159.5, 119.5};
     writeTumSequence(folder_ / "sequence", SynthPlan(options), false);

@@ -25,7 +25,7 @@ class RunTest : public ValidatingDevice {
     const fs::path folder = folder_ / "sequence";
     if (!fs::exists(folder)) {
       SynthOptions options;
-      options.seed = 5;
+      options.seed = kAnyRoom;
       options.frames = 8;
       options.intrinsics = shortSequence().intrinsics;
       writeTumSequence(folder, SynthPlan(options), false);
@@ -161,7 +161,8 @@ class Shown : public FrameSource {
 };
 
 TEST_F(RunTest, FramesThatNothingConnectsAreAMapOfTheirOwn) {
-  const SynthSequence here = makeShortSequence(7, 12), there = makeShortSequence(9, 14);
+  const SynthSequence here = makeShortSequence(kRoomWithoutWindows, 12),
+                      there = makeShortSequence(kUnlikeRoom, 14);
   Shown source(here.intrinsics);
   for (const Frame& frame : here.frames) source.show(frame);
   Frame dark = here.frames[0];

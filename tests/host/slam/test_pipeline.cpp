@@ -18,7 +18,7 @@ class PipelineTest : public ValidatingDevice {
 };
 
 TEST_F(PipelineTest, AfterAFrameWithoutDepthItIsFoundAgainAndFusedOnlyOnceFramesAgree) {
-  const SynthSequence sequence = makeShortSequence(904, 24);
+  const SynthSequence sequence = makeShortSequence(kRoomSeenAgain, 24);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   const auto run = [&](std::size_t i) { return pipeline.processFrame(sequence.frames[i]); };
   for (std::size_t i = 0; i < 12; ++i) EXPECT_NE(run(i).status, TrackingStatus::Lost) << "frame " << i;
@@ -37,7 +37,8 @@ TEST_F(PipelineTest, AfterAFrameWithoutDepthItIsFoundAgainAndFusedOnlyOnceFrames
 }
 
 TEST_F(PipelineTest, APlaceThatTheNextFrameDoesNotConfirmIsForgotten) {
-  const SynthSequence sequence = makeShortSequence(904, 24), other = makeShortSequence(906, 2);
+  const SynthSequence sequence = makeShortSequence(kRoomSeenAgain, 24),
+                      other = makeShortSequence(kForeignRoom, 2);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   const auto run = [&](const Frame& frame) { return pipeline.processFrame(frame); };
   FrameResult last;
@@ -60,7 +61,7 @@ TEST_F(PipelineTest, APlaceThatTheNextFrameDoesNotConfirmIsForgotten) {
 TEST_F(PipelineTest, ACameraThatMovedOnInTheDarkIsFoundAtOnce) {
   constexpr std::size_t kDark = 120, kLight = 130;
   constexpr std::size_t kLast = kLight + 1;  // half of the image is known until then
-  const SynthSequence sequence = makeShortSequence(961, 240);
+  const SynthSequence sequence = makeShortSequence(kRoomCrossedInTheDark, 240);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   FrameResult result;
   for (std::size_t i = 0; i <= kLast; ++i) {
@@ -87,7 +88,7 @@ void showThenDarken(Pipeline& pipeline, const SynthSequence& sequence, std::size
 
 // Metres from wherever the camera was before, in a view of which less than half is known.
 TEST_F(PipelineTest, ACameraThatWasCarriedAcrossTheRoomIsFoundByWhatItKnowsOfTheView) {
-  const SynthSequence sequence = makeShortSequence(911, 240);
+  const SynthSequence sequence = makeShortSequence(kRoomWithFarEnd, 240);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   constexpr std::size_t kKnown = 120, kFound = 201;
   showThenDarken(pipeline, sequence, kKnown);
@@ -111,7 +112,7 @@ TEST_F(PipelineTest, ACameraThatWasCarriedAcrossTheRoomIsFoundByWhatItKnowsOfThe
 
 // 22 cm beside its place a little more of the view fits, but what the camera should see there is missing.
 TEST_F(PipelineTest, AWallIsNotTakenForTheWindowsPaneBesideIt) {
-  const SynthSequence sequence = makeShortSequence(1007, 240);
+  const SynthSequence sequence = makeShortSequence(kRoomWithPaneLikeWall, 240);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   constexpr std::size_t kFound = 190;
   showThenDarken(pipeline, sequence, 120);
@@ -122,7 +123,7 @@ TEST_F(PipelineTest, AWallIsNotTakenForTheWindowsPaneBesideIt) {
 }
 
 TEST_F(PipelineTest, WithAHandBeforeTheCameraNothingIsFusedUntilItIsGone) {
-  const SynthSequence sequence = makeShortSequence(907, 24);
+  const SynthSequence sequence = makeShortSequence(kRoomFlownFast, 24);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   VolumeContents before;
   for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
@@ -152,7 +153,7 @@ TEST_F(PipelineTest, WithAHandBeforeTheCameraNothingIsFusedUntilItIsGone) {
 
 // Half a metre from one frame to the next, which no motion model can guess.
 TEST_F(PipelineTest, AJumpIsFollowedWhereAnotherSensorTellsOfItAndElseNotFused) {
-  const SynthSequence sequence = makeShortSequence(907, 23);
+  const SynthSequence sequence = makeShortSequence(kRoomFlownFast, 23);
   const auto& truth = sequence.truth;
   constexpr std::size_t kBefore = 9, kAfter = 19;
   const Pose jump = truth[kBefore].world_from_camera.inverse() * truth[kAfter].world_from_camera;
@@ -193,7 +194,7 @@ Frame frameFrom(const SynthPlan& plan, const Pose& world_from_camera, double tim
 
 // Further away and further turned than any search around a known pose reaches.
 TEST_F(PipelineTest, ALostCameraIsFoundAgainFromElsewhere) {
-  for (const std::uint64_t seed : {921, 922, 923}) {
+  for (const std::uint64_t seed : kRoomsToLookAroundIn) {
     SCOPED_TRACE(seed);
     SynthOptions options;
     options.seed = seed;
@@ -239,7 +240,7 @@ TEST_F(PipelineTest, ALostCameraIsFoundAgainFromElsewhere) {
 // so.
 TEST_F(PipelineTest, AViewThatIsSuddenlyUnknownMustBeConfirmed) {
   SynthOptions options;
-  options.seed = 924;
+  options.seed = kRoomToTurnIn;
   options.frames = 2;
   options.intrinsics = {320, 240, 160, 160, 159.5, 119.5};
   const SynthPlan plan(options);
@@ -264,7 +265,7 @@ TEST_F(PipelineTest, AViewThatIsSuddenlyUnknownMustBeConfirmed) {
 }
 
 TEST_F(PipelineTest, FramesFromAnotherRoomAreLostAndNotFused) {
-  const SynthSequence sequence = makeShortSequence(905, 8), other = makeShortSequence(906, 4);
+  const SynthSequence sequence = makeShortSequence(kSmallRoom, 8), other = makeShortSequence(kForeignRoom, 4);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   for (const Frame& frame : sequence.frames) pipeline.processFrame(frame);
   const auto before = pipeline.volume().download();
