@@ -7,7 +7,7 @@
 namespace rosefusion::testing {
 namespace test_detached_maps {
 
-class DetachedMapsTest : public ValidatingDevice {
+class SecondMap : public ValidatingDevice {
  protected:
   static Frame darkened(Frame frame) {
     frame.depth = cv::Mat(frame.depth.size(), CV_16UC1, cv::Scalar(0));
@@ -35,7 +35,7 @@ class DetachedMapsTest : public ValidatingDevice {
 };
 
 // Dark for 85 frames while it flies to the other end of the room, and back where it began 90 frames later.
-TEST_F(DetachedMapsTest, WhatWasSeenWhileLostIsJoinedWhereThePlaceIsKnown) {
+TEST_F(SecondMap, WhatWasSeenWhileLostIsJoinedWhereThePlaceIsKnown) {
   const SynthSequence sequence = makeShortSequence(kRoomFlownThereAndBack, 225);
   Pipeline pipeline = make(sequence);
   constexpr std::size_t kDark = 20, kLight = 105;
@@ -76,7 +76,7 @@ TEST_F(DetachedMapsTest, WhatWasSeenWhileLostIsJoinedWhereThePlaceIsKnown) {
 }
 
 // Two rooms that nothing connects: neither is thrown away, and neither is put into the other.
-TEST_F(DetachedMapsTest, WhatNothingConnectsStaysApart) {
+TEST_F(SecondMap, WhatNothingConnectsStaysApart) {
   const SynthSequence here = makeShortSequence(kRoomWithoutWindows, 12),
                       there = makeShortSequence(kUnlikeRoom, 24);
   Pipeline pipeline = make(here);
@@ -104,7 +104,7 @@ TEST_F(DetachedMapsTest, WhatNothingConnectsStaysApart) {
 }
 
 // With loops.enabled stored images make the model, and the loop closer looks for the place itself.
-TEST_F(DetachedMapsTest, AShortLossBeginsNone) {
+TEST_F(SecondMap, AShortLossBeginsNone) {
   const SynthSequence sequence = makeShortSequence(kRoomWithoutWindows, 12);
   Pipeline pipeline = make(sequence);
   for (std::size_t i = 0; i < sequence.frames.size(); ++i) {

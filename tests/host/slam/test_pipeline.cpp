@@ -10,14 +10,14 @@
 namespace rosefusion::testing {
 namespace test_pipeline {
 
-class PipelineTest : public ValidatingDevice {
+class FrameByFrame : public ValidatingDevice {
  protected:
   static Pipeline make(const Settings& settings = quickSettings()) {
     return {device(), settings, shortSequence().intrinsics, shortSequence().depth_units_per_metre};
   }
 };
 
-TEST_F(PipelineTest, AfterAFrameWithoutDepthItIsFoundAgainAndFusedOnlyOnceFramesAgree) {
+TEST_F(FrameByFrame, IsFoundAgainAfterAFrameWithoutDepth) {
   const SynthSequence sequence = makeShortSequence(kRoomSeenAgain, 24);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   const auto run = [&](std::size_t i) { return pipeline.processFrame(sequence.frames[i]); };
@@ -36,7 +36,7 @@ TEST_F(PipelineTest, AfterAFrameWithoutDepthItIsFoundAgainAndFusedOnlyOnceFrames
   EXPECT_NE(pipeline.volume().download().weight, before.weight);
 }
 
-TEST_F(PipelineTest, APlaceThatTheNextFrameDoesNotConfirmIsForgotten) {
+TEST_F(FrameByFrame, APlaceThatTheNextFrameDoesNotConfirmIsForgotten) {
   const SynthSequence sequence = makeShortSequence(kRoomSeenAgain, 24),
                       other = makeShortSequence(kForeignRoom, 2);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
@@ -58,7 +58,7 @@ TEST_F(PipelineTest, APlaceThatTheNextFrameDoesNotConfirmIsForgotten) {
 }
 
 // Its motion tells where it has got to; among all keyframes' surroundings other places look likelier.
-TEST_F(PipelineTest, ACameraThatMovedOnInTheDarkIsFoundAtOnce) {
+TEST_F(FrameByFrame, ACameraThatMovedOnInTheDarkIsFoundAtOnce) {
   constexpr std::size_t kDark = 120, kLight = 130;
   constexpr std::size_t kLast = kLight + 1;  // half of the image is known until then
   const SynthSequence sequence = makeShortSequence(kRoomCrossedInTheDark, 240);
@@ -87,7 +87,7 @@ void showThenDarken(Pipeline& pipeline, const SynthSequence& sequence, std::size
 }
 
 // Metres from wherever the camera was before, in a view of which less than half is known.
-TEST_F(PipelineTest, ACameraThatWasCarriedAcrossTheRoomIsFoundByWhatItKnowsOfTheView) {
+TEST_F(FrameByFrame, ACameraCarriedAcrossTheRoomIsFound) {
   const SynthSequence sequence = makeShortSequence(kRoomWithFarEnd, 240);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   constexpr std::size_t kKnown = 120, kFound = 201;
@@ -111,7 +111,7 @@ TEST_F(PipelineTest, ACameraThatWasCarriedAcrossTheRoomIsFoundByWhatItKnowsOfThe
 }
 
 // 22 cm beside its place a little more of the view fits, but what the camera should see there is missing.
-TEST_F(PipelineTest, AWallIsNotTakenForTheWindowsPaneBesideIt) {
+TEST_F(FrameByFrame, AWallIsNotTakenForTheWindowsPaneBesideIt) {
   const SynthSequence sequence = makeShortSequence(kRoomWithPaneLikeWall, 240);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   constexpr std::size_t kFound = 190;
@@ -122,7 +122,7 @@ TEST_F(PipelineTest, AWallIsNotTakenForTheWindowsPaneBesideIt) {
   EXPECT_LT(errorAt(kFound + 1, result.world_from_camera, sequence), 0.02);
 }
 
-TEST_F(PipelineTest, WithAHandBeforeTheCameraNothingIsFusedUntilItIsGone) {
+TEST_F(FrameByFrame, WithAHandBeforeTheCameraNothingIsFusedUntilItIsGone) {
   const SynthSequence sequence = makeShortSequence(kRoomFlownFast, 24);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   VolumeContents before;
@@ -152,7 +152,7 @@ TEST_F(PipelineTest, WithAHandBeforeTheCameraNothingIsFusedUntilItIsGone) {
 }
 
 // Half a metre from one frame to the next, which no motion model can guess.
-TEST_F(PipelineTest, AJumpIsFollowedWhereAnotherSensorTellsOfItAndElseNotFused) {
+TEST_F(FrameByFrame, AJumpIsFollowedWhereAnotherSensorTellsOfItAndElseNotFused) {
   const SynthSequence sequence = makeShortSequence(kRoomFlownFast, 23);
   const auto& truth = sequence.truth;
   constexpr std::size_t kBefore = 9, kAfter = 19;
@@ -193,7 +193,7 @@ Frame frameFrom(const SynthPlan& plan, const Pose& world_from_camera, double tim
 }
 
 // Further away and further turned than any search around a known pose reaches.
-TEST_F(PipelineTest, ALostCameraIsFoundAgainFromElsewhere) {
+TEST_F(FrameByFrame, ALostCameraIsFoundAgainFromElsewhere) {
   for (const std::uint64_t seed : kRoomsToLookAroundIn) {
     SCOPED_TRACE(seed);
     SynthOptions options;
@@ -238,7 +238,7 @@ TEST_F(PipelineTest, ALostCameraIsFoundAgainFromElsewhere) {
 
 // As before a hand that fits a wall elsewhere. No camera turns so far between two frames, but a sensor says
 // so.
-TEST_F(PipelineTest, AViewThatIsSuddenlyUnknownMustBeConfirmed) {
+TEST_F(FrameByFrame, AViewThatIsSuddenlyUnknownMustBeConfirmed) {
   SynthOptions options;
   options.seed = kRoomToTurnIn;
   options.frames = 2;
@@ -264,7 +264,7 @@ TEST_F(PipelineTest, AViewThatIsSuddenlyUnknownMustBeConfirmed) {
   }
 }
 
-TEST_F(PipelineTest, FramesFromAnotherRoomAreLostAndNotFused) {
+TEST_F(FrameByFrame, FramesFromAnotherRoomAreLostAndNotFused) {
   const SynthSequence sequence = makeShortSequence(kSmallRoom, 8), other = makeShortSequence(kForeignRoom, 4);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   for (const Frame& frame : sequence.frames) pipeline.processFrame(frame);
@@ -274,7 +274,7 @@ TEST_F(PipelineTest, FramesFromAnotherRoomAreLostAndNotFused) {
   EXPECT_EQ(pipeline.volume().download().weight, before.weight);
 }
 
-TEST_F(PipelineTest, FrameWithoutDepthIsLostAndNotFused) {
+TEST_F(FrameByFrame, FrameWithoutDepthIsLostAndNotFused) {
   Pipeline pipeline = make();
   pipeline.processFrame(shortSequence().frames[0]);
   const auto before = pipeline.volume().download();
@@ -292,7 +292,7 @@ TEST_F(PipelineTest, FrameWithoutDepthIsLostAndNotFused) {
   EXPECT_EQ(pipeline.trajectory()[1].world_from_camera.matrix(), next.world_from_camera.matrix());
 }
 
-TEST_F(PipelineTest, FirstFrameWithoutDepthStartsNothing) {
+TEST_F(FrameByFrame, FirstFrameWithoutDepthStartsNothing) {
   Pipeline pipeline = make();
   Frame empty = shortSequence().frames[0];
   empty.depth = cv::Mat(empty.depth.size(), CV_16UC1, cv::Scalar(0));
@@ -301,7 +301,7 @@ TEST_F(PipelineTest, FirstFrameWithoutDepthStartsNothing) {
   EXPECT_EQ(pipeline.processFrame(shortSequence().frames[0]).status, TrackingStatus::Tracked);
 }
 
-TEST_F(PipelineTest, FrameFromElsewhereIsLost) {
+TEST_F(FrameByFrame, FrameFromElsewhereIsLost) {
   Pipeline pipeline = make();
   pipeline.processFrame(shortSequence().frames[0]);
   Frame wall = shortSequence().frames[1];  // a wall at 30 cm, where the model has free space
@@ -311,7 +311,7 @@ TEST_F(PipelineTest, FrameFromElsewhereIsLost) {
   EXPECT_EQ(result.reason, Reason::PoorFit);
 }
 
-TEST_F(PipelineTest, SameSeedGivesTheSamePosesBitByBit) {
+TEST_F(FrameByFrame, SameSeedGivesTheSamePosesBitByBit) {
   Pipeline first = make(), second = make();
   Settings other_seed = quickSettings();
   other_seed.tracking.seed = 2;
@@ -326,7 +326,7 @@ TEST_F(PipelineTest, SameSeedGivesTheSamePosesBitByBit) {
   EXPECT_TRUE(differs) << "another seed must search elsewhere, or the comparison shows nothing";
 }
 
-TEST_F(PipelineTest, WrongImageSizeAndTypeAreRefused) {
+TEST_F(FrameByFrame, WrongImageSizeAndTypeAreRefused) {
   Pipeline pipeline = make();
   Frame frame = shortSequence().frames[0];
   frame.depth = cv::Mat::ones(10, 10, CV_16UC1);
@@ -335,7 +335,7 @@ TEST_F(PipelineTest, WrongImageSizeAndTypeAreRefused) {
   EXPECT_THROW(pipeline.processFrame(frame), InputError);
 }
 
-TEST_F(PipelineTest, FullMemoryNamesTheSettingAndKeepsTheModel) {
+TEST_F(FrameByFrame, FullMemoryNamesTheSettingAndKeepsTheModel) {
   Settings small = quickSettings();
   small.volume.memory_limit_mb = 17;  // the first pools and table fit, the house does not
   small.volume.voxel_size = 0.01;
