@@ -15,7 +15,7 @@ namespace cli {
 
 /// Thrown by a subcommand after everything was said and written; main.cpp ends the program with it.
 struct ExitCode {
-  explicit ExitCode(int code_) : code(code_) {}
+  explicit ExitCode(int exit_code) : code(exit_code) {}
   int code;
 };
 

@@ -34,7 +34,7 @@ void report(const SendOptions& o, const StreamSender::Counts& c, std::uint64_t p
                "%s: %.1f MB, %.1f:1 compressed, %.2f ms a frame to compress; %llu dropped, %llu sent "
                "again.\n",
                frames.c_str(), double(c.arrived_bytes) / 1e6, ratio, milliseconds,
-               static_cast<unsigned long long>(c.dropped + passed_over),
+               static_cast<unsigned long long>(c.dropped) + passed_over,
                static_cast<unsigned long long>(c.resent));
   writeJson(o.json, nlohmann::ordered_json{{"frames", c.arrived},
                                            {"dropped", c.dropped + passed_over},

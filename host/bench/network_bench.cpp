@@ -4,7 +4,9 @@
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "host/bench/stopwatch.h"
 #include "host/core/error.h"
@@ -57,7 +59,7 @@ NetworkReport benchNetwork(Sequence& sequence, std::size_t frames) {
     // What was sent before there was a connection arrives with a later frame, and is not timed.
     const bool alone = arrived.size() == i;
     while (arrived.size() <= i && receiver.next(received, patience) == SourceState::Frame)
-      arrived.push_back(std::move(received));
+      arrived.push_back(std::exchange(received, {}));
     if (alone && arrived.size() > i)
       times.push_back(
           std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());

@@ -56,8 +56,7 @@ std::vector<glm::vec4> templatesFor(const Settings& settings) {
 std::vector<std::uint32_t> packColour(const cv::Mat& bgr) {
   std::vector<std::uint32_t> rgb;
   rgb.reserve(bgr.total());
-  for (auto p = bgr.begin<cv::Vec3b>(); p != bgr.end<cv::Vec3b>(); ++p)
-    rgb.push_back((*p)[2] | (*p)[1] << 8 | (*p)[0] << 16);
+  for (const cv::Vec3b& p : cv::Mat_<cv::Vec3b>(bgr)) rgb.push_back(p[2] | p[1] << 8 | p[0] << 16);
   return rgb;
 }
 

@@ -228,7 +228,7 @@ void judgeTime(const SequenceInfo& info, const Inspection& r, std::vector<Findin
                         counted(r.repeated_stamps, "frame") + " with the same time stamp as the frame before",
                         "remove the doubled lines from the list", FindingKind::Time});
   if (!r.gaps.empty()) {
-    const TimeGap* longest = &r.gaps[0];
+    const TimeGap* longest = r.gaps.data();
     for (const TimeGap& gap : r.gaps)
       if (gap.seconds > longest->seconds) longest = &gap;
     findings.push_back(

@@ -106,7 +106,7 @@ class Record3dSequence : public FileSequence {
       if (metadata == kNone) throw EndOfBytes();
       const auto bytes = zip_.read(metadata);
       const auto* text = reinterpret_cast<const char*>(bytes.data());
-      const auto parsed = nlohmann::json::parse(text, text + bytes.size(), nullptr, false);
+      auto parsed = nlohmann::json::parse(text, text + bytes.size(), nullptr, false);
       if (!parsed.is_object()) throw EndOfBytes();
       return parsed;
     } catch (const EndOfBytes&) {
@@ -180,7 +180,8 @@ class Record3dSequence : public FileSequence {
   cv::Mat depthOf(const FramePlace& frame) override {
     const auto bytes = unpackedLzfse(zip_.read(frame.depth), kMostEntryBytes);
     if (depth_size_.empty()) {  // older versions do not say; it has the colour image's shape
-      const double pixels = static_cast<double>(bytes.size() / sizeof(float));
+      const std::size_t floats = bytes.size() / sizeof(float);
+      const auto pixels = static_cast<double>(floats);
       const int width = static_cast<int>(std::lround(std::sqrt(pixels * colour_aspect_)));
       depth_size_ = {width, width > 0 ? static_cast<int>(pixels) / width : 0};
       if (static_cast<std::size_t>(depth_size_.area()) * sizeof(float) != bytes.size()) {

@@ -30,13 +30,13 @@ CameraSource readCamera(const fs::path& folder) {
   return {{0, 0, k[0], k[4], k[2], k[5]}, file.string(), false};
 }
 
-fs::path colourOf(const fs::path& folder, const std::string& stem) {
+fs::path colourBeside(const fs::path& folder, const std::string& stem) {
   for (const char* ending : {".color.png", ".color.jpg", ".jpg"})
     if (fs::exists(folder / (stem + ending))) return folder / (stem + ending);
   return {};
 }
 
-void readPoses(Listing& listing) {
+void readPoseFiles(Listing& listing) {
   std::string first;
   std::size_t skipped = 0, missing = 0;
   for (const FrameFiles& frame : listing.frames) {
@@ -71,7 +71,7 @@ Listing listSevenScenes(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder)) {
     const auto number = digitsBetween(entry.path().filename().string(), kPrefix, kDepthEnding);
     if (!number) continue;
-    const fs::path colour = colourOf(folder, kPrefix + *number);
+    const fs::path colour = colourBeside(folder, kPrefix + *number);
     listing.frames.push_back({std::stoi(*number) / kFramesPerSecond, entry.path(), colour});
   }
   std::sort(listing.frames.begin(), listing.frames.end(),
@@ -80,7 +80,7 @@ Listing listSevenScenes(const fs::path& folder) {
                   [](const auto& f) { return !f.colour.empty(); }))
     listing.notes.push_back(
         "7-Scenes' colour images are not registered to the depth images; colours will be offset");
-  readPoses(listing);
+  readPoseFiles(listing);
   return listing;
 }
 

@@ -99,12 +99,12 @@ bool Reconstructor::Impl::push(Frame frame, const Semaphores& semaphores) {
   const std::lock_guard lock(state);
   if (queue.size() >= queue_length) return false;
   queue.push_back({std::move(frame), semaphores});
-  if (!worker.joinable()) worker = std::thread([this] { work_off(); });
+  if (!worker.joinable()) worker = std::thread([this] { workOff(); });
   wake.notify_one();
   return true;
 }
 
-void Reconstructor::Impl::work_off() {
+void Reconstructor::Impl::workOff() {
   std::unique_lock lock(state);
   for (;;) {
     wake.wait(lock, [&] { return stopping || !queue.empty(); });

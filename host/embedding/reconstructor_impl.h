@@ -27,7 +27,7 @@ struct ROSEFUSION_HIDDEN Reconstructor::Impl {
   /// Throws Error (Misuse) while pushed frames are waiting or under way.
   void requireNothingPushed() const;
   bool push(Frame frame, const Semaphores& semaphores);
-  void work_off();
+  void workOff();
 
   Intrinsics intrinsics;
   std::size_t queue_length;

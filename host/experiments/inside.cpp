@@ -194,10 +194,10 @@ void plotLandscape(ResultWriter& out, const ExperimentContext& context, const Se
   if (v.norm() < 1e-6) v = Vector6::Unit(5) - u * u[5];
   v.normalize();
   const double reach = 1.6 * search.front().centre.norm();
+  const auto offset = [&](int step) { return reach * (2.0 * step / (kSide - 1) - 1); };
   std::vector<glm::vec4> poses;
   for (int i = 0; i < kSide * kSide; ++i) {
-    const double a = reach * (2.0 * (i % kSide) / (kSide - 1) - 1),
-                 b = reach * (2.0 * (i / kSide) / (kSide - 1) - 1);
+    const double a = offset(i % kSide), b = offset(i / kSide);
     const Vector6 p = a * u + b * v;
     poses.emplace_back(p[0], p[1], p[2], 0);
     poses.emplace_back(p[3], p[4], p[5], 0);
@@ -209,8 +209,7 @@ void plotLandscape(ResultWriter& out, const ExperimentContext& context, const Se
   Table table({"u", "v", "loss"}), surface({"u", "v", "loss"}), path({"u", "v"}),
       path_table({"iteration", "u", "v", "off_plane"});
   for (int i = 0; i < kSide * kSide; ++i) {
-    const double a = reach * (2.0 * (i % kSide) / (kSide - 1) - 1),
-                 b = reach * (2.0 * (i / kSide) / (kSide - 1) - 1);
+    const double a = offset(i % kSide), b = offset(i / kSide);
     const double loss = evaluator.losses()[i] < 0 ? std::nan("") : evaluator.losses()[i];
     table.add({a, b, loss});
     surface.add({a, b, loss});

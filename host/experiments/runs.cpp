@@ -17,7 +17,8 @@ namespace {
 
 constexpr double kCap_m = 1;
 constexpr double kLost = std::numeric_limits<double>::infinity();
-constexpr int kVersion = 1;  // of the records: raise it when tracking changes, so that old ones are run again
+constexpr int kRecordVersion =
+    1;  // of the records: raise it when tracking changes, so that old ones are run again
 
 /// FNV-1a, the same on every machine.
 std::uint64_t hashOf(const std::string& text) {
@@ -119,7 +120,7 @@ RunRecord trackOnce(const ExperimentContext& context, const std::string& what, c
   Settings settings = wanted;
   for (SwarmLevel& level : settings.swarm.levels) level.pixel_stride *= test.stride_factor;
   const DeviceInfo& device = context.device.info();
-  const std::string key = fmt::format("record {}\n{} {}\n{}\n{}", kVersion, device.name, device.driver,
+  const std::string key = fmt::format("record {}\n{} {}\n{}\n{}", kRecordVersion, device.name, device.driver,
                                       test.key, toYaml(settings));
   const auto file = context.options.out / "runs" / fmt::format("{:016x}.json", hashOf(key));
   const std::string note = what + ", " + test.name;

@@ -13,15 +13,15 @@
 namespace rosefusion {
 namespace {
 
-constexpr int kVersion =
+constexpr int kExperimentVersion =
     1;  // of the experiments: raise it when one of them changes, so that old results are made anew
 
 std::string keyOf(const ExperimentContext& context, const Experiment& experiment) {
   const DeviceInfo& device = context.device.info();
   const ExperimentOptions& o = context.options;
   std::string key =
-      fmt::format("experiment {} version {}\n{} {}\nquick {} shrink {} seed {}\n", experiment.name, kVersion,
-                  device.name, device.driver, o.quick, o.shrink, o.seed);
+      fmt::format("experiment {} version {}\n{} {}\nquick {} shrink {} seed {}\n", experiment.name,
+                  kExperimentVersion, device.name, device.driver, o.quick, o.shrink, o.seed);
   for (const TestSequence& recorded : recordedSequences(context)) key += recorded.key + "\n";
   for (const Variant& method : allMethods()) key += toYaml(settingsOf(context, method));
   return key;

@@ -63,9 +63,9 @@ struct StreamReceiver::Impl {
   std::string failure;
   std::thread thread;
 
-  Impl(const std::string& endpoint_, const StreamOptions& options)
+  Impl(const std::string& own_endpoint, const StreamOptions& options)
       : keys(readKeys(options)), silence_limit(options.silence_limit) {
-    requirePort(endpoint_);
+    requirePort(own_endpoint);
     try {
       setUp(socket);
       socket.set(zmq::sockopt::linger, kFarewell);
@@ -76,12 +76,12 @@ struct StreamReceiver::Impl {
         zap.bind(kZap);
       }
       monitor = std::make_unique<Monitor>(context, socket, kReceiverEvents);
-      socket.bind(endpoint_);
+      socket.bind(own_endpoint);
       endpoint = socket.get(zmq::sockopt::last_endpoint);
       woken.bind("inproc://rosefusion.wake");
       wake.connect("inproc://rosefusion.wake");
     } catch (const zmq::error_t& error) {
-      throw InputError(endpoint_ + ": cannot be listened on (" + error.what() +
+      throw InputError(own_endpoint + ": cannot be listened on (" + error.what() +
                        "); give an address of this machine and a free port, such as tcp://*:5555.");
     }
     thread = std::thread([this] { work(); });
@@ -163,7 +163,8 @@ struct StreamReceiver::Impl {
         refuse("refused a connection from " + (whole ? request[kAddress].to_string() : "somewhere") +
                ": its key is not among those allowed");
       zap.send(zmq::str_buffer("1.0"), zmq::send_flags::sndmore);
-      zap.send(request.size() > kRequestId ? request[kRequestId] : part, zmq::send_flags::sndmore);
+      request.resize(std::max(request.size(), kRequestId + 1));
+      zap.send(request[kRequestId], zmq::send_flags::sndmore);
       zap.send(allowed ? zmq::str_buffer("200") : zmq::str_buffer("400"), zmq::send_flags::sndmore);
       zap.send(zmq::message_t(), zmq::send_flags::sndmore);  // text, user, metadata: nothing
       zap.send(zmq::message_t(), zmq::send_flags::sndmore);

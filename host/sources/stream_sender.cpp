@@ -50,8 +50,8 @@ struct StreamSender::Impl {
   Clock::time_point last_answer = Clock::now(), last_probe{};
   bool said_waiting = false, said_handshake = false;
 
-  Impl(const std::string& endpoint_, const SequenceInfo& info, const StreamOptions& options)
-      : endpoint(endpoint_), live(options.live) {
+  Impl(const std::string& peer_endpoint, const SequenceInfo& info, const StreamOptions& options)
+      : endpoint(peer_endpoint), live(options.live) {
     const Intrinsics& k = info.intrinsics;
     std::random_device random;
     header.session = std::uint64_t(random()) << 32 | random();

@@ -87,20 +87,6 @@ StopReason stopReason(const SwarmSettings& settings, const SwarmState& state, co
 
 }  // namespace
 
-std::string_view describe(StopReason reason) {
-  switch (reason) {
-    case StopReason::kNone:
-      return "still searching";
-    case StopReason::kEmptySets:
-      return "no particle improved for several iterations in a row";
-    case StopReason::kSmallMove:
-      return "the move became negligible";
-    case StopReason::kMaxIterations:
-      return "the iteration limit was reached";
-  }
-  return "unknown";
-}
-
 std::optional<double> particleFitness(const SwarmSettings& settings, std::span<const float> losses,
                                       std::span<const uint32_t> pixel_counts, size_t i) {
   if (!isCounted(settings, losses, pixel_counts, i)) return std::nullopt;

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string_view>
 
 #include "host/core/camera.h"
 #include "host/swarm/swarm_settings.h"
@@ -13,13 +12,9 @@
 
 namespace rosefusion {
 
-/// A move in the paper's 6-D state space: translation (metres, world axes), then the rotation quaternion's
-/// imaginary part.
-
+/// Why a frame's search has ended: max_empty_sets without a better particle, a negligible move,
+/// max_iterations.
 enum class StopReason { kNone, kEmptySets, kSmallMove, kMaxIterations };
-
-/// One sentence part for logs, such as "no particle improved in 2 iterations in a row".
-std::string_view describe(StopReason reason);
 
 /// The search for one frame's pose. Read it, let beginFrame and update change it.
 struct SwarmState {

@@ -93,7 +93,7 @@ bool FreeSpace::isInside(const Eigen::Vector3d& point) const {
   if (!tracer_.cast(point, up(), kFarWall) || !tracer_.cast(point, -up(), kFarWall)) return false;
   int misses = 0;
   for (int i = 0; i < 27; ++i) {
-    const Eigen::Vector3d d(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    const Eigen::Vector3d d = Eigen::Vector3i(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1).cast<double>();
     const int axes = static_cast<int>(d.cwiseAbs().sum());
     if (axes != 1 && axes != 3) continue;
     if (!tracer_.cast(point, d, kFarWall) && ++misses > 2) return false;

@@ -9,9 +9,9 @@
 namespace rosefusion {
 namespace {
 
-constexpr double kStep = 0.3;           // radians between keys
-constexpr int kCandidates = 14;         // judged for each key
-constexpr double kMaxTurnCosine = 0.3;  // between successive rotation axes, against cusps
+constexpr double kKeyAngle = 0.3;       // radians between keys
+constexpr int kJudgedKeys = 14;         // judged for each key
+constexpr double kMaxAxisCosine = 0.3;  // between successive rotation axes, against cusps
 constexpr double kLowestPitch = -0.75, kHighestPitch = 0.4, kMostRoll = 0.35;  // radians
 
 double pitchOf(const Eigen::Quaterniond& q, const Eigen::Vector3d& up) {
@@ -66,20 +66,21 @@ RotationSpline lookAround(const FreeSpace& space, const SynthOptions& options, d
     Eigen::Quaterniond best = last;
     Eigen::Vector3d best_axis = axis;
     double best_score = -std::numeric_limits<double>::max();
-    for (int judged = 0, drawn = 0; judged < kCandidates && drawn < 2000; ++drawn) {
+    for (int judged = 0, drawn = 0; judged < kJudgedKeys && drawn < 2000; ++drawn) {
       const Eigen::Vector3d turn =
           (rng.normal() * space.up() + 0.6 * rng.normal() * right + 0.3 * rng.normal() * forward)
               .normalized();
-      if (turn.dot(axis) < kMaxTurnCosine) continue;
-      const Eigen::Quaterniond q = (Eigen::Quaterniond(Eigen::AngleAxisd(kStep, turn)) * last).normalized();
+      if (turn.dot(axis) < kMaxAxisCosine) continue;
+      const Eigen::Quaterniond q =
+          (Eigen::Quaterniond(Eigen::AngleAxisd(kKeyAngle, turn)) * last).normalized();
       ++judged;
       double worst = std::numeric_limits<double>::max();
       spline.push(q);
       const double end = spline.length();
       for (const double back : {0.0, 0.5, 1.0})
-        worst = std::min(worst, score(end - back * kStep, spline.at(end - back * kStep)));
+        worst = std::min(worst, score(end - back * kKeyAngle, spline.at(end - back * kKeyAngle)));
       // Where this key leads to: the curve reaches it only with the keys to come.
-      worst = std::min(worst, score(end + kStep, q));
+      worst = std::min(worst, score(end + kKeyAngle, q));
       spline.pop();
       const double s = worst - 8 * excess(q, space.up()) + 0.3 * rng.uniform();
       if (s > best_score) best_score = s, best = q, best_axis = turn;

@@ -38,7 +38,7 @@ struct Line {
 Line findLine(const FreeSpace& space, double longest, Rng& rng) {
   Line best;
   for (int attempt = 0; attempt < 600 && best.length() < 0.98 * longest; ++attempt) {
-    const Eigen::Vector3d from = space.randomCell(rng);
+    const Eigen::Vector3d& from = space.randomCell(rng);
     Eigen::Vector3d direction = rng.direction();
     direction = (direction - 0.7 * direction.dot(space.up()) * space.up()).normalized();
     for (double length = longest; length > best.length(); length -= 0.1) {

@@ -9,9 +9,15 @@
 #include "shaders/compute/lib/parameters.glsl"
 #include "shaders/compute/lib/volume.glsl"
 #include "shaders/compute/lib/written_pool.glsl"
-WRITTEN_POOL(tsdf, kIntegrateBindTsdf, kIntegrateBindTsdfTexels)
-WRITTEN_POOL(weight, kIntegrateBindWeight, kIntegrateBindWeightTexels)
-WRITTEN_POOL(colour, kIntegrateBindColour, kIntegrateBindColourTexels)
+WRITTEN_POOL(setTsdfWord, tsdf, kIntegrateBindTsdf)
+READ_WRITTEN_POOL(tsdf, kIntegrateBindTsdfTexels)
+CHUNK_FUNCTION(uint, tsdfWord, tsdf_0, tsdf_1, tsdf_2, tsdf_3)
+WRITTEN_POOL(setWeightWord, weight, kIntegrateBindWeight)
+READ_WRITTEN_POOL(weight, kIntegrateBindWeightTexels)
+CHUNK_FUNCTION(uint, weightWord, weight_0, weight_1, weight_2, weight_3)
+WRITTEN_POOL(setColourWord, colour, kIntegrateBindColour)
+READ_WRITTEN_POOL(colour, kIntegrateBindColourTexels)
+CHUNK_FUNCTION(uint, colourWord, colour_0, colour_1, colour_2, colour_3)
 
 layout(local_size_x = kIntegrateGroup) in;
 PUSHED_PARAMETERS(IntegrateParams)
@@ -34,7 +40,7 @@ void fuseColour(uint chunk, uint word, uint rgb, bool anew) {
   float weight = float(old >> 24);
   vec3 mean = (unpackUnorm4x8(old).xyz * weight + unpackUnorm4x8(rgb).xyz) / (weight + 1.0);
   uint packed = packUnorm4x8(vec4(mean, 0.0));
-  setcolourWord(chunk, word, (packed & 0xFFFFFFu) | (uint(min(weight + 1.0, kColourWeightCap)) << 24));
+  setColourWord(chunk, word, (packed & 0xFFFFFFu) | (uint(min(weight + 1.0, kColourWeightCap)) << 24));
 }
 
 // The least difference, in truncations, by which two views contradict each other about a voxel.
@@ -107,9 +113,9 @@ void main() {
       vec2 weight = vec2(w & 0xFFFFu, w >> 16) * (1.0 / kWeightOne);
       fuse(a, tsdf.x, weight.x, chunk, colour);
       fuse(b, tsdf.y, weight.y, chunk, colour + 1u);
-      settsdfWord(chunk, word, packSnorm2x16(tsdf));
+      setTsdfWord(chunk, word, packSnorm2x16(tsdf));
       uvec2 units = uvec2(weight * kWeightOne + 0.5);
-      setweightWord(chunk, word, units.x | (units.y << 16));
+      setWeightWord(chunk, word, units.x | (units.y << 16));
     }
   } while (++pair < 4u);
 }

@@ -196,7 +196,7 @@ TEST_F(FitnessRace, WhoIsGivenUpIsAsInTheReference) {
 }
 
 // As preset default runs it: each particle in its own overlap with the last view.
-TEST_F(FitnessRace, WithItsOwnOverlapWhoStaysHasTheWholeLossAndNobodyBetterLeaves) {
+TEST_F(FitnessRace, WithItsOwnOverlapWhoStaysHasTheWholeLoss) {
   Pose last = swarm_.centre;
   last.rotate(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()));
   const LastView view{onDevice(Pose(last.inverse())), onDevice(kOddCamera)};

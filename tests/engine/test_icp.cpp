@@ -16,7 +16,7 @@ constexpr IcpPairing kPairing{.stride = 2, .distance = 0.125f, .cosine = 0.875f}
 // Of the sums: where rounding decides about so many pairs that the range tells little.
 constexpr double kWideShare = 0.1;
 
-class IcpTest : public ValidatingDevice, public ::testing::WithParamInterface<Intrinsics> {
+class PointToPlane : public ValidatingDevice, public ::testing::WithParamInterface<Intrinsics> {
  protected:
   void SetUp() override {
     ValidatingDevice::SetUp();
@@ -74,7 +74,7 @@ class IcpTest : public ValidatingDevice, public ::testing::WithParamInterface<In
   Pose pose_;
 };
 
-TEST_P(IcpTest, AgreesWithTheReferenceAtSeveralPoses) {
+TEST_P(PointToPlane, AgreesWithTheReferenceAtSeveralPoses) {
   const Pose truth = pose_;
   double at_truth = 0;  // mean square
   for (const double off : {0.0, 0.3, -0.7, 1.5}) {
@@ -91,7 +91,7 @@ TEST_P(IcpTest, AgreesWithTheReferenceAtSeveralPoses) {
   }
 }
 
-TEST_P(IcpTest, ComparisonSeesAWrongCoefficient) {
+TEST_P(PointToPlane, ComparisonSeesAWrongCoefficient) {
   const auto measured = sums();
   ASSERT_TRUE(agrees(compareWith(measured, model_), kWideShare));
   const auto wrong = [&](const std::function<void(reference::IcpModel&)>& change) {
@@ -110,14 +110,14 @@ TEST_P(IcpTest, ComparisonSeesAWrongCoefficient) {
   EXPECT_TRUE(differs(compareWith(measured, model_)));
 }
 
-TEST_P(IcpTest, AnEmptyModelHasNoPairs) {
+TEST_P(PointToPlane, AnEmptyModelHasNoPairs) {
   SceneRun empty(device(), run_->sequence, kVolume);
   raycast_->record(run_->recorder, empty.volume, {.world_from_camera = onDevice(pose_), .colour = false});
   run_->recorder.submit();
   for (const double sum : sums()) EXPECT_EQ(sum, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Cameras, IcpTest, kBothCameras, cameraName);
+INSTANTIATE_TEST_SUITE_P(Cameras, PointToPlane, kBothCameras, cameraName);
 
 }  // namespace test_icp
 }  // namespace rosefusion::testing

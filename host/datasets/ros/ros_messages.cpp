@@ -13,7 +13,7 @@
 namespace rosefusion::datasets {
 namespace {
 
-constexpr std::uint32_t kMostSide = 16384;  // pixels
+constexpr std::uint32_t kMostMessageSide = 16384;  // pixels
 
 /// After CDR's four bytes, which say little endian and no more, as every machine this runs on.
 ByteReader begin(std::span<const std::byte> message, bool cdr) {
@@ -46,7 +46,7 @@ Image imageOf(ByteReader& reader, bool cdr) {
   out.big_endian = reader.number<std::uint8_t>() != 0;
   out.step = reader.number<std::uint32_t>();
   out.data = reader.block();
-  if (out.width == 0 || out.height == 0 || out.width > kMostSide || out.height > kMostSide)
+  if (out.width == 0 || out.height == 0 || out.width > kMostMessageSide || out.height > kMostMessageSide)
     throw EndOfBytes();
   return out;
 }
@@ -133,7 +133,7 @@ CameraInfoMessage cameraInfoOf(std::span<const std::byte> message, bool cdr) {
   if (count > 64) throw EndOfBytes();
   for (std::uint32_t i = 0; i < count; ++i) out.distortion.push_back(reader.number<double>());
   for (double& value : out.k) value = reader.number<double>();
-  if (out.width > kMostSide || out.height > kMostSide) throw EndOfBytes();
+  if (out.width > kMostMessageSide || out.height > kMostMessageSide) throw EndOfBytes();
   return out;
 }
 
@@ -150,7 +150,7 @@ CameraInfoMessage cameraInfoOfText(const std::string& text) {
   };
   const auto side = [&](const char* name) {
     const double value = number(name);
-    if (!(value >= 1 && value <= kMostSide)) throw EndOfBytes();
+    if (!(value >= 1 && value <= kMostMessageSide)) throw EndOfBytes();
     return static_cast<std::uint32_t>(value);
   };
   CameraInfoMessage out;

@@ -33,13 +33,13 @@ FreeSwarmSearch::FreeSwarmSearch(Device& device, const Settings& settings, const
       evaluator_(device, settings, intrinsics, onDevice(std::vector<Vector6>(1, Vector6::Zero()))),
       random_(settings.tracking.seed) {}
 
-SwarmResult FreeSwarmSearch::search(const DeviceFrame& frame, const Volume& volume, const Pose& start,
+TrackResult FreeSwarmSearch::search(const DeviceFrame& frame, const Volume& volume, const Pose& start,
                                     const Pose& last, const SearchObserver& observer) {
   const SwarmSettings& s = settings_.swarm;
   const SwarmState* previous = previous_ ? &*previous_ : nullptr;
   const SwarmTemplate& first = templates_.at(first_level_, previous ? previous->serial : 0);
   FreeSwarm swarm = beginFreeSwarm(s, start, first, previous);
-  SwarmResult result;
+  TrackResult result;
   while (!swarm.state.stopped()) {
     const std::span<const Vector6> particles(swarm.particles.data(), swarm.evaluated(s));
     evaluator_.fitness.setTemplates(onDevice(particles));
@@ -50,14 +50,13 @@ SwarmResult FreeSwarmSearch::search(const DeviceFrame& frame, const Volume& volu
     result.lookups += particles.size() * std::uint64_t(evaluator_.select.selected());
     const std::function<Pose(std::size_t)> pose = [&](std::size_t i) { return moveBy(start, particles[i]); };
     if (observer) observer({swarm.state, evaluator_.losses(), pose});
-    result.steps.push_back(
-        settings_.tracking.method == TrackingMethod::kPfo
-            ? updatePfo(s, settings_.pfo, swarm, evaluator_.losses(), evaluator_.counted(), random_)
-            : updatePso(s, settings_.pso, swarm, evaluator_.losses(), evaluator_.counted(), random_));
+    if (settings_.tracking.method == TrackingMethod::kPfo)
+      updatePfo(s, settings_.pfo, swarm, evaluator_.losses(), evaluator_.counted(), random_);
+    else
+      updatePso(s, settings_.pso, swarm, evaluator_.losses(), evaluator_.counted(), random_);
   }
   result.world_from_camera = swarm.state.centre;
   result.iterations = swarm.state.iteration;
-  result.stop_reason = swarm.state.stop_reason;
   previous_ = swarm.state;
   return result;
 }

@@ -18,7 +18,7 @@ class FreeSwarmSearch {
                   const TemplateSet& templates);
 
   /// As SwarmSearch::search.
-  SwarmResult search(const DeviceFrame& frame, const Volume& volume, const Pose& start, const Pose& last,
+  TrackResult search(const DeviceFrame& frame, const Volume& volume, const Pose& start, const Pose& last,
                      const SearchObserver& observer = {});
 
  private:

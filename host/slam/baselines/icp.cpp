@@ -28,14 +28,14 @@ Icp::Icp(Device& device, const Settings& settings, const Intrinsics& intrinsics)
       raycast_(device, toShader(intrinsics), Memory::Device),
       icp_(device, toShader(intrinsics)) {}
 
-IcpResult Icp::align(const DeviceFrame& frame, const Volume& volume, const Pose& last) {
+TrackResult Icp::align(const DeviceFrame& frame, const Volume& volume, const Pose& last) {
   RaycastView view;
   view.world_from_camera = toShader(last);
   view.far = far_;
   view.colour = false;
   raycast_.record(recorder_, volume, view);
   recorder_.submit();
-  IcpResult result;
+  TrackResult result;
   result.world_from_camera = last;
   for (const Level& level : kLevels) {
     const IcpPairing pairing{level.stride, static_cast<float>(settings_.distance),
@@ -46,7 +46,7 @@ IcpResult Icp::align(const DeviceFrame& frame, const Volume& volume, const Pose&
       recorder_.submit();
       const IcpSums sums = icp_.sums();
       ++result.iterations;
-      result.points_read += icp_.cells();
+      result.lookups += icp_.cells();
       if (sums[shader::kIcpPairs] < kLeastPairs) return result;
       Matrix6 hessian;
       for (int row = 0, entry = shader::kIcpHessian; row < 6; ++row)

@@ -4,14 +4,9 @@
 #include "engine/passes/icp.h"
 #include "host/core/camera.h"
 #include "host/settings/settings.h"
+#include "host/slam/tracking/pose_estimate.h"
 
 namespace rosefusion {
-
-struct IcpResult {
-  Pose world_from_camera = Pose::Identity();
-  int iterations = 0;
-  std::uint64_t points_read = 0;
-};
 
 /// One thread.
 class Icp {
@@ -19,7 +14,7 @@ class Icp {
   Icp(Device& device, const Settings& settings, const Intrinsics& intrinsics);
 
   /// Starts at `last`, from where the model is cast. Ends early where the pairs leave a direction open.
-  IcpResult align(const DeviceFrame& frame, const Volume& volume, const Pose& last);
+  TrackResult align(const DeviceFrame& frame, const Volume& volume, const Pose& last);
 
  private:
   const IcpSettings settings_;

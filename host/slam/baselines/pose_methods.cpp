@@ -7,16 +7,12 @@
 namespace rosefusion {
 namespace {
 
-TrackResult asTrackResult(const SwarmResult& found) {
-  return {found.world_from_camera, found.iterations, found.lookups, {}, {}, {}};
-}
-
 class PstMethod : public PoseMethod {
  public:
   explicit PstMethod(SwarmSearch& search) : search_(search) {}
   TrackResult track(const DeviceFrame& frame, const Volume& volume, const TrackHistory& history, double,
                     const SearchObserver& observer) override {
-    return asTrackResult(search_.search(frame, volume, history.last, history.last, observer));
+    return search_.search(frame, volume, history.last, history.last, observer);
   }
 
  private:
@@ -30,7 +26,7 @@ class FreeSwarmMethod : public PoseMethod {
       : search_(device, settings, intrinsics, templates) {}
   TrackResult track(const DeviceFrame& frame, const Volume& volume, const TrackHistory& history, double,
                     const SearchObserver& observer) override {
-    return asTrackResult(search_.search(frame, volume, history.last, history.last, observer));
+    return search_.search(frame, volume, history.last, history.last, observer);
   }
 
  private:
@@ -68,8 +64,7 @@ class IcpMethod : public PoseMethod {
       : icp_(device, settings, intrinsics) {}
   TrackResult track(const DeviceFrame& frame, const Volume& volume, const TrackHistory& history, double,
                     const SearchObserver&) override {
-    const IcpResult found = icp_.align(frame, volume, history.last);
-    return {found.world_from_camera, found.iterations, found.points_read, {}, {}, {}};
+    return icp_.align(frame, volume, history.last);
   }
 
  private:

@@ -9,6 +9,7 @@
 
 namespace rosefusion {
 
+/// A start for the refinement, by planes alone: whether the depth fits is not asked yet.
 struct PoseHypothesis {
   Pose world_from_camera = Pose::Identity();
   double met = 0;  ///< share of the view's patches that lie on the model's

@@ -65,7 +65,7 @@ TrackResult searchAround(SwarmSearch& search, PoseRefiner& refiner, const Refine
   scanned.insert(scanned.end(), others.begin(), others.end());
   refiner.selectPixels(frame, settings.coarse_pixel_stride);
   for (const Pose& start : posesOf(scanned)) {
-    const SwarmResult found = search.search(frame, volume, start, start, observer);
+    const TrackResult found = search.search(frame, volume, start, start, observer);
     result.iterations += found.iterations;
     result.lookups += found.lookups;
     for (const PoseFit& fit : refiner.refine(volume, std::vector<Pose>{start, found.world_from_camera},

@@ -16,6 +16,7 @@ inline constexpr double kIntrudingWhenFound = 0.5;
 /// Metres and radians: two poses that differ by less are one place, and no two that look alike.
 inline constexpr double kElsewhere = 0.3;
 
+/// A fit that everything seen supports.
 struct VerifiedPose {
   PoseFit fit;
   bool high_confidence = false;  ///< contradicts next to nothing that was seen before

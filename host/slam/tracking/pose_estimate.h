@@ -1,4 +1,8 @@
-// A pose and how well the depth fits there: what every search of poses returns.
+// A pose and how well the depth fits there: what every search of poses returns. Three types, since three
+// things are asked: PoseScore what every method's status follows from, on the same pixels whichever method it
+// was; PoseFit what a refinement knows of the pose where it ended; TrackResult what a search found and spent.
+// Starts of searches (ScannedPose and PoseHypothesis) have no fit yet, and what is made of a result
+// (VerifiedPose, FrameResult) holds these.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -46,6 +50,7 @@ struct PoseFit {
   }
 };
 
+/// What a search of any method found.
 struct TrackResult {
   Pose world_from_camera = Pose::Identity();
   int iterations = 0;

@@ -49,9 +49,9 @@ void SwarmSearch::prepare(const VolumeView& volume) {
                              settings_.tracking.race_margin > 0);
 }
 
-SwarmResult SwarmSearch::search(const DeviceFrame& frame, const Volume& volume, const Pose& start,
+TrackResult SwarmSearch::search(const DeviceFrame& frame, const Volume& volume, const Pose& start,
                                 const Pose& last, const SearchObserver& observer) {
-  SwarmResult result;
+  TrackResult result;
   SwarmState state = beginFrame(settings_.swarm, start, previous_ ? &*previous_ : nullptr);
   while (!state.stopped()) {
     const SwarmLevel& level = settings_.swarm.levels[state.level];
@@ -69,12 +69,10 @@ SwarmResult SwarmSearch::search(const DeviceFrame& frame, const Volume& volume, 
       return moveBy(state.centre, scaledParticle(swarm_template, i, state.axis_lengths));
     };
     if (observer) observer({state, evaluator_.losses(), pose});
-    result.steps.push_back(
-        update(settings_.swarm, state, swarm_template, evaluator_.losses(), evaluator_.counted()));
+    update(settings_.swarm, state, swarm_template, evaluator_.losses(), evaluator_.counted());
   }
   result.world_from_camera = state.centre;
   result.iterations = state.iteration;
-  result.stop_reason = state.stop_reason;
   previous_ = state;
   return result;
 }

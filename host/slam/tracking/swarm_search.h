@@ -12,18 +12,11 @@
 
 namespace rosefusion {
 
+/// The best particle of a template, which is no fit yet.
 struct ScannedPose {
   Pose world_from_camera = Pose::Identity();
   double loss = 1;
   std::uint64_t lookups = 0;  ///< TSDF lookups spent
-};
-
-struct SwarmResult {
-  Pose world_from_camera = Pose::Identity();
-  int iterations = 0;
-  std::uint64_t lookups = 0;  ///< TSDF lookups spent
-  StopReason stop_reason = StopReason::kNone;
-  std::vector<SwarmStep> steps;
 };
 
 /// Owns the swarm templates on the device and the swarm's state from frame to frame. One thread.
@@ -35,7 +28,7 @@ class SwarmSearch {
   void prepare(const VolumeView& volume);
   /// Pose of the frame held by `frame`, searched from `start`; `last`: the last frame's pose, for the
   /// overlap.
-  SwarmResult search(const DeviceFrame& frame, const Volume& volume, const Pose& start, const Pose& last,
+  TrackResult search(const DeviceFrame& frame, const Volume& volume, const Pose& start, const Pose& last,
                      const SearchObserver& observer = {});
   /// The best particle of one wide template around each pose, over every valid pixel of a coarse grid: for
   /// poses that may be far off. Axis lengths in metres and of the quaternion's imaginary part.

@@ -39,7 +39,7 @@ TrackResult Tracker::track(const DeviceFrame& frame, const Volume& volume, const
     }
   };
   const auto searchFrom = [&](const Pose& start) {
-    const SwarmResult found = search_.search(frame, volume, start, history.last, observer);
+    const TrackResult found = search_.search(frame, volume, start, history.last, observer);
     result.iterations += found.iterations;
     result.lookups += found.lookups;
     refineFrom({found.world_from_camera});

@@ -24,12 +24,15 @@
     return (i & 1u) != 0u ? pair.y : pair.x;                                                 \
   }
 #else
-#define READ_STORAGE(TYPE, NAME, BINDING)                                                        \
-  layout(std430, binding = BINDING) readonly restrict buffer NAME##_block { TYPE NAME##_read[]; }; \
-  TYPE NAME(uint i) { return NAME##_read[i]; }
-#define READ_WORDS(NAME, BINDING) READ_STORAGE(uint, NAME, BINDING)
-#define READ_FLOATS(NAME, BINDING) READ_STORAGE(float, NAME, BINDING)
-#define READ_VECTORS(NAME, BINDING) READ_STORAGE(vec4, NAME, BINDING)
+#define READ_WORDS(NAME, BINDING)                                                                   \
+  layout(std430, binding = BINDING) readonly restrict buffer NAME##_block { uint NAME##_read[]; };  \
+  uint NAME(uint i) { return NAME##_read[i]; }
+#define READ_FLOATS(NAME, BINDING)                                                                   \
+  layout(std430, binding = BINDING) readonly restrict buffer NAME##_block { float NAME##_read[]; };  \
+  float NAME(uint i) { return NAME##_read[i]; }
+#define READ_VECTORS(NAME, BINDING)                                                                 \
+  layout(std430, binding = BINDING) readonly restrict buffer NAME##_block { vec4 NAME##_read[]; };  \
+  vec4 NAME(uint i) { return NAME##_read[i]; }
 #define READ_QUADS(NAME, BINDING)                                                                   \
   layout(std430, binding = BINDING) readonly restrict buffer NAME##_block { uvec4 NAME##_read[]; };  \
   uvec4 NAME##Quad(uint i) { return NAME##_read[i]; }                                               \

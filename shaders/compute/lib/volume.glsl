@@ -14,9 +14,22 @@ UNIFORM_PARAMETERS(VolumeLayout, volume, VOLUME_UNIFORM_LAYOUT)
 layout(std430, binding = VOLUME_LAYOUT) readonly restrict buffer LayoutBuffer { VolumeLayout volume; };
 #endif
 
-// What functions A to D read of the four pools, behind one function. The loop, which each driver unrolls, keeps the choice
+// A pool is up to four buffers, its chunks. These declare one that is only read, on the bindings from FIRST on, each chunk
+// behind a function as lib/read.glsl makes them: NAME_0(i) to NAME_3(i), of quads NAME_0Quad(i) to NAME_3Quad(i) beside them.
+#define READ_WORD_POOL(NAME, FIRST) \
+  READ_WORDS(NAME##_0, FIRST)       \
+  READ_WORDS(NAME##_1, FIRST + 1u)  \
+  READ_WORDS(NAME##_2, FIRST + 2u)  \
+  READ_WORDS(NAME##_3, FIRST + 3u)
+#define READ_QUAD_POOL(NAME, FIRST) \
+  READ_QUADS(NAME##_0, FIRST)       \
+  READ_QUADS(NAME##_1, FIRST + 1u)  \
+  READ_QUADS(NAME##_2, FIRST + 2u)  \
+  READ_QUADS(NAME##_3, FIRST + 3u)
+
+// FUNCTION(chunk, i), which asks that one of the chunks' functions A to D. The loop, which each driver unrolls, keeps the choice
 // from SwiftShader's search for a loop's blocks: its time doubles with each choice on the way, and it folds no constants first.
-#define OF_CHUNKS(TYPE, FUNCTION, A, B, C, D)                   \
+#define CHUNK_FUNCTION(TYPE, FUNCTION, A, B, C, D)              \
   TYPE FUNCTION(uint chunk, uint i) {                           \
     TYPE value;                                                 \
     for (uint once = 0u; once < 1u; ++once) {                   \
@@ -26,23 +39,6 @@ layout(std430, binding = VOLUME_LAYOUT) readonly restrict buffer LayoutBuffer { 
       else value = D(i);                                        \
     }                                                           \
     return value;                                               \
-  }
-#define POOL_WORD(NAME) OF_CHUNKS(uint, NAME##Word, NAME##_0, NAME##_1, NAME##_2, NAME##_3)
-// Four pools that are only read, on the bindings from FIRST on, by words or also by four of them.
-#define POOL_OF(READ, NAME, FIRST) \
-  READ(NAME##_0, FIRST)            \
-  READ(NAME##_1, FIRST + 1u)       \
-  READ(NAME##_2, FIRST + 2u)       \
-  READ(NAME##_3, FIRST + 3u)       \
-  POOL_WORD(NAME)
-#define POOL(NAME, FIRST) POOL_OF(READ_WORDS, NAME, FIRST)
-#define QUADS_OF_POOL(NAME, FIRST) \
-  POOL_OF(READ_QUADS, NAME, FIRST) \
-  OF_CHUNKS(uvec4, NAME##Quad, NAME##_0Quad, NAME##_1Quad, NAME##_2Quad, NAME##_3Quad)
-#define QUADS_OF_WORDS(NAME)                                                                                         \
-  uvec4 NAME##Quad(uint chunk, uint quad) {                                                                          \
-    return uvec4(NAME##Word(chunk, 4u * quad), NAME##Word(chunk, 4u * quad + 1u), NAME##Word(chunk, 4u * quad + 2u), \
-                 NAME##Word(chunk, 4u * quad + 3u));                                                                 \
   }
 
 // Block coordinates by slot.
@@ -68,10 +64,18 @@ ivec3 clampToTable(ivec3 entry) { return clamp(entry, ivec3(0), volume.table_siz
 
 #ifdef VOLUME_TSDF
 #ifdef VOLUME_TSDF_QUADS
-QUADS_OF_POOL(tsdf, VOLUME_TSDF)
+READ_QUAD_POOL(tsdf, VOLUME_TSDF)
 #else
-POOL(tsdf, VOLUME_TSDF)
-QUADS_OF_WORDS(tsdf)
+READ_WORD_POOL(tsdf, VOLUME_TSDF)
+#endif
+CHUNK_FUNCTION(uint, tsdfWord, tsdf_0, tsdf_1, tsdf_2, tsdf_3)
+#ifdef VOLUME_TSDF_QUADS
+CHUNK_FUNCTION(uvec4, tsdfQuad, tsdf_0Quad, tsdf_1Quad, tsdf_2Quad, tsdf_3Quad)
+#else
+uvec4 tsdfQuad(uint chunk, uint quad) {
+  return uvec4(tsdfWord(chunk, 4u * quad), tsdfWord(chunk, 4u * quad + 1u), tsdfWord(chunk, 4u * quad + 2u),
+               tsdfWord(chunk, 4u * quad + 3u));
+}
 #endif
 
 // The cube of 8 voxels with that number in its block. Words are pairs along x: (y0 z0, y1 z0, y0 z1, y1 z1).
@@ -85,7 +89,8 @@ float tsdfInBlock(uint slot, uint local) {
 #endif
 
 #ifdef VOLUME_WEIGHT
-POOL(weight, VOLUME_WEIGHT)
+READ_WORD_POOL(weight, VOLUME_WEIGHT)
+CHUNK_FUNCTION(uint, weightWord, weight_0, weight_1, weight_2, weight_3)
 
 float weightInBlock(uint slot, uint local) {
   uint word = weightWord(chunkOf(slot), slotInChunk(slot) * kBlockTsdfWords + (local >> 1));
@@ -95,10 +100,18 @@ float weightInBlock(uint slot, uint local) {
 
 #ifdef VOLUME_COLOUR
 #ifdef VOLUME_COLOUR_QUADS
-QUADS_OF_POOL(colour, VOLUME_COLOUR)
+READ_QUAD_POOL(colour, VOLUME_COLOUR)
 #else
-POOL(colour, VOLUME_COLOUR)
-QUADS_OF_WORDS(colour)
+READ_WORD_POOL(colour, VOLUME_COLOUR)
+#endif
+CHUNK_FUNCTION(uint, colourWord, colour_0, colour_1, colour_2, colour_3)
+#ifdef VOLUME_COLOUR_QUADS
+CHUNK_FUNCTION(uvec4, colourQuad, colour_0Quad, colour_1Quad, colour_2Quad, colour_3Quad)
+#else
+uvec4 colourQuad(uint chunk, uint quad) {
+  return uvec4(colourWord(chunk, 4u * quad), colourWord(chunk, 4u * quad + 1u), colourWord(chunk, 4u * quad + 2u),
+               colourWord(chunk, 4u * quad + 3u));
+}
 #endif
 
 // Colours of a cube's lower or upper layer, of which a block has 128: (x0 y0, x1 y0, x0 y1, x1 y1).

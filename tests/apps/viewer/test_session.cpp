@@ -26,12 +26,12 @@ using ::testing::HasSubstr;
 
 constexpr int kFrames = 12;
 
-class SessionTest : public ::testing::Test {
+class ViewerSession : public ::testing::Test {
  protected:
   void TearDown() override { EXPECT_THAT(device_.validationMessages(), ::testing::IsEmpty()); }
-  SessionTest() {
+  ViewerSession() {
     SynthOptions options;
-    options.seed = 5;
+    options.seed = kAnyRoom;
     options.frames = kFrames;
     options.intrinsics = {320, 240, 160, 160, 159.5, 119.5};
     writeTumSequence(folder_ / "sequence", SynthPlan(options), false);
@@ -60,7 +60,7 @@ class SessionTest : public ::testing::Test {
   Session session_{device_, quickSettings(), {}};
 };
 
-TEST_F(SessionTest, OpensStepsPlaysPausesAndBeginsAnew) {
+TEST_F(ViewerSession, OpensStepsPlaysPausesAndBeginsAnew) {
   EXPECT_EQ(session_.snapshot().phase, Phase::Empty);
   session_.play();  // nothing is open
   session_.step();
@@ -93,7 +93,7 @@ TEST_F(SessionTest, OpensStepsPlaysPausesAndBeginsAnew) {
   EXPECT_EQ(seen.frames, std::size_t(kFrames));
 }
 
-TEST_F(SessionTest, ChangesSettingsAtOnceOrWithTheNextReset) {
+TEST_F(ViewerSession, ChangesSettingsAtOnceOrWithTheNextReset) {
   session_.open(sequence());
   session_.set("tracking.lost_residual", "0.5");
   EXPECT_FALSE(idle().settings_wait);
@@ -108,7 +108,7 @@ TEST_F(SessionTest, ChangesSettingsAtOnceOrWithTheNextReset) {
   EXPECT_FALSE(idle().settings_wait);
 }
 
-TEST_F(SessionTest, TellsWhatWasChosenWhereASettingIsAutomatic) {
+TEST_F(ViewerSession, TellsWhatWasChosenWhereASettingIsAutomatic) {
   session_.open(sequence());
   EXPECT_THAT(idle().choices, ::testing::IsEmpty());
   session_.set("volume.voxel_size", "auto");
@@ -119,7 +119,7 @@ TEST_F(SessionTest, TellsWhatWasChosenWhereASettingIsAutomatic) {
   EXPECT_THAT(seen.message, HasSubstr("voxels of 2 cm"));
 }
 
-TEST_F(SessionTest, SavesFilesAndSaysWhatCannotBe) {
+TEST_F(ViewerSession, SavesFilesAndSaysWhatCannotBe) {
   session_.open(sequence());
   session_.saveMesh(folder_ / "mesh.ply");
   EXPECT_THAT(idle().message, HasSubstr("no surface"));
@@ -150,7 +150,7 @@ std::string freeEndpoint() {
   return "tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
 }
 
-TEST_F(SessionTest, AStreamIsWaitedForByWhatIsToBeDoneWithIt) {
+TEST_F(ViewerSession, AStreamIsWaitedForByWhatIsToBeDoneWithIt) {
   if (!streamsAvailable()) GTEST_SKIP() << "This build has no network streams.";
   const std::string endpoint = freeEndpoint();
   session_.open(endpoint);
@@ -173,7 +173,7 @@ TEST_F(SessionTest, AStreamIsWaitedForByWhatIsToBeDoneWithIt) {
   EXPECT_EQ(watch([](const Snapshot& s) { return s.phase == Phase::Finished; }).frames, 4u);
 }
 
-TEST_F(SessionTest, ACameraThatIsCoveredIsLostAndComesBack) {
+TEST_F(ViewerSession, ACameraThatIsCoveredIsLostAndComesBack) {
   int number = 0;
   for (const auto& entry : std::set<std::filesystem::path>(
            std::filesystem::directory_iterator(folder_ / "sequence" / "depth"), {})) {

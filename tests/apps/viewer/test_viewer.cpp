@@ -14,6 +14,7 @@
 #include "host/settings/settings.h"
 #include "host/synth/tum_writer.h"
 #include "tests/host/core/temporary_folder.h"
+#include "tests/host/synth/rooms.h"
 
 namespace rosefusion::testing {
 namespace test_viewer {
@@ -41,11 +42,11 @@ const std::string kQuick =
     " --config paper --set 'swarm.levels=1024/16 512/8 256/4' --set tracking.templates_per_level=3"
     " --set volume.voxel_size=0.03 --set volume.truncation=0.09 --device llvmpipe";
 
-class ViewerTest : public ::testing::Test {
+class ViewerWindow : public ::testing::Test {
  protected:
   void SetUp() override {
     SynthOptions options;
-    options.seed = 5;
+    options.seed = kAnyRoom;
     options.frames = 30;
     options.intrinsics = {320, 240, 320, 320, 159.5, 119.5};
     writeTumSequence(folder_ / "sequence", SynthPlan(options), false);
@@ -85,7 +86,7 @@ double difference(const cv::Mat& a, const cv::Mat& b) {
 // level; a missing surface is more than ten.
 constexpr double kTolerance = 2;
 
-TEST_F(ViewerTest, PictureWithoutADisplayIsTheStoredOne) {
+TEST_F(ViewerWindow, PictureWithoutADisplayIsTheStoredOne) {
   const fs::path taken = picture("room.png", 4);
   const fs::path stored = fs::path(ROSEFUSION_FIXTURES) / "viewer/room.png";
   const cv::Mat expected = comparable(stored), is = comparable(taken);
@@ -97,7 +98,7 @@ TEST_F(ViewerTest, PictureWithoutADisplayIsTheStoredOne) {
       << "a picture without the surface must not pass";
 }
 
-TEST_F(ViewerTest, WhatCannotBeShownIsSaid) {
+TEST_F(ViewerWindow, WhatCannotBeShownIsSaid) {
   const Outcome missing = shell(std::string(ROSEFUSION_VIEWER) + " /nowhere --headless --screenshot " +
                                 (folder_ / "x.png").string());
   EXPECT_EQ(missing.code, kExitBadInput) << missing.text;
@@ -108,7 +109,7 @@ TEST_F(ViewerTest, WhatCannotBeShownIsSaid) {
   EXPECT_EQ(shell(std::string(ROSEFUSION_VIEWER) + " --headless").code, kExitBadInput);
 }
 
-TEST_F(ViewerTest, ADrivenSessionLeavesItsFiles) {
+TEST_F(ViewerWindow, ADrivenSessionLeavesItsFiles) {
   for (const char* tool : {"Xvfb", "xdotool"})
     if (shell(std::string("command -v ") + tool).code != 0)
       GTEST_SKIP() << tool << " is not installed, so that nobody can press the viewer's keys.";

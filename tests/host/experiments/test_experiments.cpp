@@ -25,7 +25,7 @@ std::string contents(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-class ExperimentTest : public ValidatingDevice {
+class Experiments : public ValidatingDevice {
  protected:
   ExperimentContext contextIn(const fs::path& out) {
     ExperimentContext context{device(), {}, {}, {}};
@@ -37,7 +37,7 @@ class ExperimentTest : public ValidatingDevice {
   TemporaryFolder folder_;
 };
 
-TEST_F(ExperimentTest, ElevenOfThePapersAreThere) {
+TEST_F(Experiments, ElevenOfThePapersAreThere) {
   std::vector<std::string> names;
   for (const Experiment& e : experiments()) {
     names.push_back(e.name);
@@ -51,7 +51,7 @@ TEST_F(ExperimentTest, ElevenOfThePapersAreThere) {
   EXPECT_THAT(inputErrorOf([] { experimentsNamed("outside"); }), HasSubstr("tsdf-normalisation"));
 }
 
-TEST_F(ExperimentTest, TwoRunsGiveEqualTablesAndAFinishedOneIsRecalled) {
+TEST_F(Experiments, TwoRunsGiveEqualTablesAndAFinishedOneIsRecalled) {
   const Experiment& experiment = *experimentsNamed("optimisers")[0];
   std::vector<ExperimentResult> results;
   for (const char* out : {"a", "b"})
@@ -78,7 +78,7 @@ TEST_F(ExperimentTest, TwoRunsGiveEqualTablesAndAFinishedOneIsRecalled) {
   EXPECT_FALSE(recalled) << "another seed is another experiment";
 }
 
-TEST_F(ExperimentTest, InterruptedItGoesOnWithTheRunsItHas) {
+TEST_F(Experiments, InterruptedItGoesOnWithTheRunsItHas) {
   const Experiment& experiment = *experimentsNamed("tsdf-normalisation")[0];
   int frames = 0;
   ExperimentContext context = contextIn(folder_ / "a");
@@ -109,14 +109,14 @@ TEST_F(ExperimentTest, InterruptedItGoesOnWithTheRunsItHas) {
   EXPECT_THAT(page, Not(HasSubstr("<script")));
 }
 
-TEST_F(ExperimentTest, AMissingDataFolderIsNamed) {
+TEST_F(Experiments, AMissingDataFolderIsNamed) {
   ExperimentContext context = contextIn(folder_ / "a");
   context.options.data = "/nowhere/data";
   EXPECT_THAT(inputErrorOf([&] { runOrRecall(context, *experimentsNamed("accuracy")[0], false); }),
               HasSubstr("/nowhere/data"));
 }
 
-TEST_F(ExperimentTest, RecordedSequencesAreNamedByTheirFolder) {
+TEST_F(Experiments, RecordedSequencesAreNamedByTheirFolder) {
   ExperimentContext context = contextIn(folder_ / "a");
   SynthOptions synth;
   synth.frames = 3;

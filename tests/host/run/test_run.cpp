@@ -18,14 +18,14 @@ namespace test_run {
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-class RunTest : public ValidatingDevice {
+class Runs : public ValidatingDevice {
  protected:
   /// A TUM folder of the short sequence.
   fs::path sequenceFolder() {
     const fs::path folder = folder_ / "sequence";
     if (!fs::exists(folder)) {
       SynthOptions options;
-      options.seed = 5;
+      options.seed = kAnyRoom;
       options.frames = 8;
       options.intrinsics = shortSequence().intrinsics;
       writeTumSequence(folder, SynthPlan(options), false);
@@ -53,7 +53,7 @@ class RunTest : public ValidatingDevice {
   TemporaryFolder folder_;
 };
 
-TEST_F(RunTest, WritesEveryFileAndTheReportsKeys) {
+TEST_F(Runs, WritesEveryFileAndTheReportsKeys) {
   const auto result = run(sequenceFolder(), folder_ / "out");
   for (const char* file : kOutputFiles) {
     ASSERT_TRUE(fs::exists(folder_ / "out" / file)) << file;
@@ -86,7 +86,7 @@ TEST_F(RunTest, WritesEveryFileAndTheReportsKeys) {
   EXPECT_EQ(toYaml(settings), toYaml(quickSettings()));
 }
 
-TEST_F(RunTest, StrideAndMaximumSelectFrames) {
+TEST_F(Runs, StrideAndMaximumSelectFrames) {
   EXPECT_THAT(selectedFrames(10, {3, 0}), ::testing::ElementsAre(0, 3, 6, 9));
   EXPECT_THAT(selectedFrames(10, {3, 2}), ::testing::ElementsAre(0, 3));
   EXPECT_THAT(selectedFrames(2, {1, 5}), ::testing::ElementsAre(0, 1));
@@ -94,7 +94,7 @@ TEST_F(RunTest, StrideAndMaximumSelectFrames) {
   EXPECT_THAT(selectedFrames(3, {1, 0, 3}), ::testing::IsEmpty());
 }
 
-TEST_F(RunTest, TooFewPosesHaveNoAlignedErrors) {
+TEST_F(Runs, TooFewPosesHaveNoAlignedErrors) {
   const auto report = run(sequenceFolder(), folder_ / "out", {1, 2}).report;
   EXPECT_EQ(report.at("common_poses"), 2);
   for (const char* key : {"ate_rmse_m", "ate_mean_m", "rpe_frame_rmse_m", "rpe_second_rmse_deg"})
@@ -118,7 +118,7 @@ TEST(RunErrors, StampsAreTakenInTheSequencesUnit) {
   EXPECT_NEAR(errorsOf(summary, info)->rpe_second_m.mean, 0.03, 1e-9);
 }
 
-TEST_F(RunTest, StoppedRunWritesWhatItHas) {
+TEST_F(Runs, StoppedRunWritesWhatItHas) {
   const auto result = run(sequenceFolder(), folder_ / "out", {}, 3);
   EXPECT_EQ(result.summary.end, RunEnd::Interrupted);
   EXPECT_EQ(result.report.at("end"), "interrupted");
@@ -126,7 +126,7 @@ TEST_F(RunTest, StoppedRunWritesWhatItHas) {
   EXPECT_TRUE(fs::exists(folder_ / "out" / "mesh.ply"));
 }
 
-TEST_F(RunTest, DamagedFramesAreSkippedAndCounted) {
+TEST_F(Runs, DamagedFramesAreSkippedAndCounted) {
   const fs::path sequence = sequenceFolder();
   int damaged = 0;
   for (const auto& entry : fs::directory_iterator(sequence / "depth"))
@@ -160,8 +160,9 @@ class Shown : public FrameSource {
   std::size_t next_ = 0;
 };
 
-TEST_F(RunTest, FramesThatNothingConnectsAreAMapOfTheirOwn) {
-  const SynthSequence here = makeShortSequence(7, 12), there = makeShortSequence(9, 14);
+TEST_F(Runs, FramesThatNothingConnectsAreAMapOfTheirOwn) {
+  const SynthSequence here = makeShortSequence(kRoomWithoutWindows, 12),
+                      there = makeShortSequence(kUnlikeRoom, 14);
   Shown source(here.intrinsics);
   for (const Frame& frame : here.frames) source.show(frame);
   Frame dark = here.frames[0];
@@ -188,7 +189,7 @@ TEST_F(RunTest, FramesThatNothingConnectsAreAMapOfTheirOwn) {
   EXPECT_FALSE(fs::exists(out / "map_2.txt") || fs::exists(out / "map_2.ply"));
 }
 
-TEST_F(RunTest, OldResultsAreRemovedFirst) {
+TEST_F(Runs, OldResultsAreRemovedFirst) {
   fs::create_directories(folder_ / "out");
   for (const char* file : kOutputFiles) std::ofstream(folder_ / "out" / file) << "old";
   std::ofstream(folder_ / "out" / "report.json") << R"({"sequence": {"path": "/data/other"}})";
@@ -201,7 +202,7 @@ TEST_F(RunTest, OldResultsAreRemovedFirst) {
   EXPECT_EQ(out.resultOf(), "");
 }
 
-TEST_F(RunTest, TheReportGoesFirstForItSaysThatTheOthersAreThere) {
+TEST_F(Runs, TheReportGoesFirstForItSaysThatTheOthersAreThere) {
   const fs::path stuck = folder_ / "out" / "trajectory.txt";
   fs::create_directories(stuck);
   std::ofstream(stuck / "in the way") << "x";
@@ -213,7 +214,7 @@ TEST_F(RunTest, TheReportGoesFirstForItSaysThatTheOthersAreThere) {
   EXPECT_FALSE(fs::exists(folder_ / "out" / "mesh.ply.part"));
 }
 
-TEST_F(RunTest, AModelWithoutSurfaceStillGivesTheOtherFiles) {
+TEST_F(Runs, AModelWithoutSurfaceStillGivesTheOtherFiles) {
   const auto sequence = openSequence(sequenceFolder());
   const OutputFolder folder(folder_ / "out");
   Settings settings = quickSettings();
@@ -225,12 +226,12 @@ TEST_F(RunTest, AModelWithoutSurfaceStillGivesTheOtherFiles) {
     EXPECT_EQ(fs::exists(folder_ / "out" / file), std::string(file) != "mesh.ply") << file;
 }
 
-TEST_F(RunTest, UnusableOutputFolderIsNamedBeforeAnyWork) {
+TEST_F(Runs, UnusableOutputFolderIsNamedBeforeAnyWork) {
   const auto file = folder_.write("file", "");
   EXPECT_THAT(inputErrorOf([&] { OutputFolder{file / "out"}; }), HasSubstr("--out"));
 }
 
-TEST_F(RunTest, RealFramesAreTracked) {
+TEST_F(Runs, RealFramesAreTracked) {
   const char* variable = std::getenv("ROSEFUSION_DATA");
   const fs::path data = variable ? variable : fs::path(ROSEFUSION_SOURCE_DIR) / "../shared/data";
   if (!fs::exists(data / "seven_scenes"))

@@ -2,6 +2,7 @@
 #pragma once
 #include "host/settings/settings.h"
 #include "host/synth/sequence.h"
+#include "tests/host/synth/rooms.h"
 
 namespace rosefusion::testing {
 
@@ -14,7 +15,7 @@ inline SynthSequence makeShortSequence(std::uint64_t seed, int frames) {
 }
 
 inline const SynthSequence& shortSequence() {
-  static const SynthSequence sequence = makeShortSequence(5, 16);
+  static const SynthSequence sequence = makeShortSequence(kAnyRoom, 16);
   return sequence;
 }
 

@@ -7,7 +7,7 @@
 namespace rosefusion::testing {
 namespace test_detached_maps {
 
-class DetachedMapsTest : public ValidatingDevice {
+class SecondMap : public ValidatingDevice {
  protected:
   static Frame darkened(Frame frame) {
     frame.depth = cv::Mat(frame.depth.size(), CV_16UC1, cv::Scalar(0));
@@ -35,8 +35,8 @@ class DetachedMapsTest : public ValidatingDevice {
 };
 
 // Dark for 85 frames while it flies to the other end of the room, and back where it began 90 frames later.
-TEST_F(DetachedMapsTest, WhatWasSeenWhileLostIsJoinedWhereThePlaceIsKnown) {
-  const SynthSequence sequence = makeShortSequence(31, 225);
+TEST_F(SecondMap, WhatWasSeenWhileLostIsJoinedWhereThePlaceIsKnown) {
+  const SynthSequence sequence = makeShortSequence(kRoomFlownThereAndBack, 225);
   Pipeline pipeline = make(sequence);
   constexpr std::size_t kDark = 20, kLight = 105;
   std::size_t detached = 0, joined_at = 0;
@@ -76,8 +76,9 @@ TEST_F(DetachedMapsTest, WhatWasSeenWhileLostIsJoinedWhereThePlaceIsKnown) {
 }
 
 // Two rooms that nothing connects: neither is thrown away, and neither is put into the other.
-TEST_F(DetachedMapsTest, WhatNothingConnectsStaysApart) {
-  const SynthSequence here = makeShortSequence(7, 12), there = makeShortSequence(9, 24);
+TEST_F(SecondMap, WhatNothingConnectsStaysApart) {
+  const SynthSequence here = makeShortSequence(kRoomWithoutWindows, 12),
+                      there = makeShortSequence(kUnlikeRoom, 24);
   Pipeline pipeline = make(here);
   double now = 0;
   const auto show = [&](Frame frame) {
@@ -103,8 +104,8 @@ TEST_F(DetachedMapsTest, WhatNothingConnectsStaysApart) {
 }
 
 // With loops.enabled stored images make the model, and the loop closer looks for the place itself.
-TEST_F(DetachedMapsTest, AShortLossBeginsNone) {
-  const SynthSequence sequence = makeShortSequence(7, 12);
+TEST_F(SecondMap, AShortLossBeginsNone) {
+  const SynthSequence sequence = makeShortSequence(kRoomWithoutWindows, 12);
   Pipeline pipeline = make(sequence);
   for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
     const bool dark = i >= 4 && i < 9;

@@ -6,7 +6,7 @@
 namespace rosefusion::testing {
 namespace test_device_work {
 
-class DeviceWorkTest : public ValidatingDevice {
+class WorkOnDevice : public ValidatingDevice {
  protected:
   struct Figures : DeviceWork {
     std::uint64_t iterations = 0;  ///< of the swarm, which end when they end, on each device elsewhere
@@ -35,7 +35,7 @@ class DeviceWorkTest : public ValidatingDevice {
 
 // Measured on lavapipe 2026-12-01: 20 and 32 submits, 60 and 52 dispatches, under 1 KB copied. A GPU needs
 // fewer submits by default (PoseRefiner evaluates several steps together there).
-TEST_F(DeviceWorkTest, OfThePapersSearchIsBounded) {
+TEST_F(WorkOnDevice, OfThePapersSearchIsBounded) {
   const Figures work = perFrame(quickSettings());
   RecordProperty("submits", static_cast<int>(work.submits));
   EXPECT_LE(work.submits, work.iterations + 4) << work.iterations;
@@ -43,7 +43,7 @@ TEST_F(DeviceWorkTest, OfThePapersSearchIsBounded) {
   EXPECT_LE(work.copied_bytes, 8192u) << "no table is copied as a whole";
 }
 
-TEST_F(DeviceWorkTest, OfTheDefaultSearchIsBounded) {
+TEST_F(WorkOnDevice, OfTheDefaultSearchIsBounded) {
   const Figures work = perFrame(loadSettings("default"));
   RecordProperty("submits", static_cast<int>(work.submits));
   EXPECT_LE(work.submits, 35u);

@@ -10,15 +10,15 @@
 namespace rosefusion::testing {
 namespace test_pipeline {
 
-class PipelineTest : public ValidatingDevice {
+class FrameByFrame : public ValidatingDevice {
  protected:
   static Pipeline make(const Settings& settings = quickSettings()) {
     return {device(), settings, shortSequence().intrinsics, shortSequence().depth_units_per_metre};
   }
 };
 
-TEST_F(PipelineTest, AfterAFrameWithoutDepthItIsFoundAgainAndFusedOnlyOnceFramesAgree) {
-  const SynthSequence sequence = makeShortSequence(904, 24);
+TEST_F(FrameByFrame, IsFoundAgainAfterAFrameWithoutDepth) {
+  const SynthSequence sequence = makeShortSequence(kRoomSeenAgain, 24);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   const auto run = [&](std::size_t i) { return pipeline.processFrame(sequence.frames[i]); };
   for (std::size_t i = 0; i < 12; ++i) EXPECT_NE(run(i).status, TrackingStatus::Lost) << "frame " << i;
@@ -36,8 +36,9 @@ TEST_F(PipelineTest, AfterAFrameWithoutDepthItIsFoundAgainAndFusedOnlyOnceFrames
   EXPECT_NE(pipeline.volume().download().weight, before.weight);
 }
 
-TEST_F(PipelineTest, APlaceThatTheNextFrameDoesNotConfirmIsForgotten) {
-  const SynthSequence sequence = makeShortSequence(904, 24), other = makeShortSequence(906, 2);
+TEST_F(FrameByFrame, APlaceThatTheNextFrameDoesNotConfirmIsForgotten) {
+  const SynthSequence sequence = makeShortSequence(kRoomSeenAgain, 24),
+                      other = makeShortSequence(kForeignRoom, 2);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   const auto run = [&](const Frame& frame) { return pipeline.processFrame(frame); };
   FrameResult last;
@@ -57,10 +58,10 @@ TEST_F(PipelineTest, APlaceThatTheNextFrameDoesNotConfirmIsForgotten) {
 }
 
 // Its motion tells where it has got to; among all keyframes' surroundings other places look likelier.
-TEST_F(PipelineTest, ACameraThatMovedOnInTheDarkIsFoundAtOnce) {
+TEST_F(FrameByFrame, ACameraThatMovedOnInTheDarkIsFoundAtOnce) {
   constexpr std::size_t kDark = 120, kLight = 130;
   constexpr std::size_t kLast = kLight + 1;  // half of the image is known until then
-  const SynthSequence sequence = makeShortSequence(961, 240);
+  const SynthSequence sequence = makeShortSequence(kRoomCrossedInTheDark, 240);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   FrameResult result;
   for (std::size_t i = 0; i <= kLast; ++i) {
@@ -86,8 +87,8 @@ void showThenDarken(Pipeline& pipeline, const SynthSequence& sequence, std::size
 }
 
 // Metres from wherever the camera was before, in a view of which less than half is known.
-TEST_F(PipelineTest, ACameraThatWasCarriedAcrossTheRoomIsFoundByWhatItKnowsOfTheView) {
-  const SynthSequence sequence = makeShortSequence(911, 240);
+TEST_F(FrameByFrame, ACameraCarriedAcrossTheRoomIsFound) {
+  const SynthSequence sequence = makeShortSequence(kRoomWithFarEnd, 240);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   constexpr std::size_t kKnown = 120, kFound = 201;
   showThenDarken(pipeline, sequence, kKnown);
@@ -110,8 +111,8 @@ TEST_F(PipelineTest, ACameraThatWasCarriedAcrossTheRoomIsFoundByWhatItKnowsOfThe
 }
 
 // 22 cm beside its place a little more of the view fits, but what the camera should see there is missing.
-TEST_F(PipelineTest, AWallIsNotTakenForTheWindowsPaneBesideIt) {
-  const SynthSequence sequence = makeShortSequence(1007, 240);
+TEST_F(FrameByFrame, AWallIsNotTakenForTheWindowsPaneBesideIt) {
+  const SynthSequence sequence = makeShortSequence(kRoomWithPaneLikeWall, 240);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   constexpr std::size_t kFound = 190;
   showThenDarken(pipeline, sequence, 120);
@@ -121,8 +122,8 @@ TEST_F(PipelineTest, AWallIsNotTakenForTheWindowsPaneBesideIt) {
   EXPECT_LT(errorAt(kFound + 1, result.world_from_camera, sequence), 0.02);
 }
 
-TEST_F(PipelineTest, WithAHandBeforeTheCameraNothingIsFusedUntilItIsGone) {
-  const SynthSequence sequence = makeShortSequence(907, 24);
+TEST_F(FrameByFrame, WithAHandBeforeTheCameraNothingIsFusedUntilItIsGone) {
+  const SynthSequence sequence = makeShortSequence(kRoomFlownFast, 24);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   VolumeContents before;
   for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
@@ -151,8 +152,8 @@ TEST_F(PipelineTest, WithAHandBeforeTheCameraNothingIsFusedUntilItIsGone) {
 }
 
 // Half a metre from one frame to the next, which no motion model can guess.
-TEST_F(PipelineTest, AJumpIsFollowedWhereAnotherSensorTellsOfItAndElseNotFused) {
-  const SynthSequence sequence = makeShortSequence(907, 23);
+TEST_F(FrameByFrame, AJumpIsFollowedWhereAnotherSensorTellsOfItAndElseNotFused) {
+  const SynthSequence sequence = makeShortSequence(kRoomFlownFast, 23);
   const auto& truth = sequence.truth;
   constexpr std::size_t kBefore = 9, kAfter = 19;
   const Pose jump = truth[kBefore].world_from_camera.inverse() * truth[kAfter].world_from_camera;
@@ -192,8 +193,8 @@ Frame frameFrom(const SynthPlan& plan, const Pose& world_from_camera, double tim
 }
 
 // Further away and further turned than any search around a known pose reaches.
-TEST_F(PipelineTest, ALostCameraIsFoundAgainFromElsewhere) {
-  for (const std::uint64_t seed : {921, 922, 923}) {
+TEST_F(FrameByFrame, ALostCameraIsFoundAgainFromElsewhere) {
+  for (const std::uint64_t seed : kRoomsToLookAroundIn) {
     SCOPED_TRACE(seed);
     SynthOptions options;
     options.seed = seed;
@@ -237,9 +238,9 @@ TEST_F(PipelineTest, ALostCameraIsFoundAgainFromElsewhere) {
 
 // As before a hand that fits a wall elsewhere. No camera turns so far between two frames, but a sensor says
 // so.
-TEST_F(PipelineTest, AViewThatIsSuddenlyUnknownMustBeConfirmed) {
+TEST_F(FrameByFrame, AViewThatIsSuddenlyUnknownMustBeConfirmed) {
   SynthOptions options;
-  options.seed = 924;
+  options.seed = kRoomToTurnIn;
   options.frames = 2;
   options.intrinsics = {320, 240, 160, 160, 159.5, 119.5};
   const SynthPlan plan(options);
@@ -263,8 +264,8 @@ TEST_F(PipelineTest, AViewThatIsSuddenlyUnknownMustBeConfirmed) {
   }
 }
 
-TEST_F(PipelineTest, FramesFromAnotherRoomAreLostAndNotFused) {
-  const SynthSequence sequence = makeShortSequence(905, 8), other = makeShortSequence(906, 4);
+TEST_F(FrameByFrame, FramesFromAnotherRoomAreLostAndNotFused) {
+  const SynthSequence sequence = makeShortSequence(kSmallRoom, 8), other = makeShortSequence(kForeignRoom, 4);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   for (const Frame& frame : sequence.frames) pipeline.processFrame(frame);
   const auto before = pipeline.volume().download();
@@ -273,7 +274,7 @@ TEST_F(PipelineTest, FramesFromAnotherRoomAreLostAndNotFused) {
   EXPECT_EQ(pipeline.volume().download().weight, before.weight);
 }
 
-TEST_F(PipelineTest, FrameWithoutDepthIsLostAndNotFused) {
+TEST_F(FrameByFrame, FrameWithoutDepthIsLostAndNotFused) {
   Pipeline pipeline = make();
   pipeline.processFrame(shortSequence().frames[0]);
   const auto before = pipeline.volume().download();
@@ -291,7 +292,7 @@ TEST_F(PipelineTest, FrameWithoutDepthIsLostAndNotFused) {
   EXPECT_EQ(pipeline.trajectory()[1].world_from_camera.matrix(), next.world_from_camera.matrix());
 }
 
-TEST_F(PipelineTest, FirstFrameWithoutDepthStartsNothing) {
+TEST_F(FrameByFrame, FirstFrameWithoutDepthStartsNothing) {
   Pipeline pipeline = make();
   Frame empty = shortSequence().frames[0];
   empty.depth = cv::Mat(empty.depth.size(), CV_16UC1, cv::Scalar(0));
@@ -300,7 +301,7 @@ TEST_F(PipelineTest, FirstFrameWithoutDepthStartsNothing) {
   EXPECT_EQ(pipeline.processFrame(shortSequence().frames[0]).status, TrackingStatus::Tracked);
 }
 
-TEST_F(PipelineTest, FrameFromElsewhereIsLost) {
+TEST_F(FrameByFrame, FrameFromElsewhereIsLost) {
   Pipeline pipeline = make();
   pipeline.processFrame(shortSequence().frames[0]);
   Frame wall = shortSequence().frames[1];  // a wall at 30 cm, where the model has free space
@@ -310,7 +311,7 @@ TEST_F(PipelineTest, FrameFromElsewhereIsLost) {
   EXPECT_EQ(result.reason, Reason::PoorFit);
 }
 
-TEST_F(PipelineTest, SameSeedGivesTheSamePosesBitByBit) {
+TEST_F(FrameByFrame, SameSeedGivesTheSamePosesBitByBit) {
   Pipeline first = make(), second = make();
   Settings other_seed = quickSettings();
   other_seed.tracking.seed = 2;
@@ -325,7 +326,7 @@ TEST_F(PipelineTest, SameSeedGivesTheSamePosesBitByBit) {
   EXPECT_TRUE(differs) << "another seed must search elsewhere, or the comparison shows nothing";
 }
 
-TEST_F(PipelineTest, WrongImageSizeAndTypeAreRefused) {
+TEST_F(FrameByFrame, WrongImageSizeAndTypeAreRefused) {
   Pipeline pipeline = make();
   Frame frame = shortSequence().frames[0];
   frame.depth = cv::Mat::ones(10, 10, CV_16UC1);
@@ -334,7 +335,7 @@ TEST_F(PipelineTest, WrongImageSizeAndTypeAreRefused) {
   EXPECT_THROW(pipeline.processFrame(frame), InputError);
 }
 
-TEST_F(PipelineTest, FullMemoryNamesTheSettingAndKeepsTheModel) {
+TEST_F(FrameByFrame, FullMemoryNamesTheSettingAndKeepsTheModel) {
   Settings small = quickSettings();
   small.volume.memory_limit_mb = 17;  // the first pools and table fit, the house does not
   small.volume.voxel_size = 0.01;

@@ -15,7 +15,7 @@ struct Spoilt {
 
 class Start : public ValidatingDevice, public ::testing::WithParamInterface<Spoilt> {
  protected:
-  static void SetUpTestSuite() { sequence_ = makeShortSequence(7, 12); }
+  static void SetUpTestSuite() { sequence_ = makeShortSequence(kRoomWithoutWindows, 12); }
   static Pipeline make() {
     return {device(), loadSettings("default"), sequence_.intrinsics, sequence_.depth_units_per_metre};
   }
@@ -87,7 +87,7 @@ TEST_F(Start, PosesOfAModelThatStaysAreKept) {
   // Two other rooms, which fit neither it nor each other, and show more than has confirmed it.
   for (std::size_t i = 2; i < 4; ++i) {
     Frame frame = sequence_.frames[i];
-    frame.depth = makeShortSequence(7 + i, 2).frames[0].depth;
+    frame.depth = makeShortSequence(i == 2 ? kUnlikeRoom : kThirdRoom, 2).frames[0].depth;
     frame.depth.rowRange(0, frame.depth.rows / 4) = 0;
     const FrameResult result = pipeline.processFrame(frame);
     EXPECT_EQ(result.status, TrackingStatus::Lost);

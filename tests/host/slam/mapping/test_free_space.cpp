@@ -22,7 +22,7 @@ Pose at(double x, double y, double z) {
   return pose;
 }
 
-class SeenThroughTest : public ::testing::Test {
+class FreeSpaceOfKeyframes : public ::testing::Test {
  protected:
   void keep(const cv::Mat& image, const Pose& pose, std::size_t frame) {
     keyframes_.setLast(image, pose, frame);
@@ -32,12 +32,12 @@ class SeenThroughTest : public ::testing::Test {
   KnownFreeSpace seen_{kCamera, DepthSettings{}, keyframes_};
 };
 
-TEST_F(SeenThroughTest, NothingIsKnownAtFirst) {
+TEST_F(FreeSpaceOfKeyframes, NothingIsKnownAtFirst) {
   EXPECT_EQ(seen_.violationOfLast(wall(), at(0, 0, 0)), 0);
   EXPECT_EQ(seen_.violation(wall(), at(0, 0, 0)), 0);
 }
 
-TEST_F(SeenThroughTest, TheStaticSceneFromAnywhereIsNot) {
+TEST_F(FreeSpaceOfKeyframes, TheStaticSceneFromAnywhereIsNot) {
   keep(wall(), at(0, 0, 0), 0);
   EXPECT_EQ(seen_.violationOfLast(wall(), at(0, 0, 0)), 0);
   EXPECT_EQ(seen_.violationOfLast(wall(), at(0.3, -0.2, 0)), 0);
@@ -47,7 +47,7 @@ TEST_F(SeenThroughTest, TheStaticSceneFromAnywhereIsNot) {
       << "behind what was seen all is unknown";
 }
 
-TEST_F(SeenThroughTest, SomethingBeforeTheCameraIs) {
+TEST_F(FreeSpaceOfKeyframes, SomethingBeforeTheCameraIs) {
   keep(wall(), at(0, 0, 0), 0);
   // But for the border, about which the kept image says nothing.
   EXPECT_NEAR(seen_.violationOfLast(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
@@ -57,12 +57,12 @@ TEST_F(SeenThroughTest, SomethingBeforeTheCameraIs) {
   EXPECT_EQ(seen_.violationOfLast(withHand(wall()), at(20, 0, 0)), 0) << "where the kept image did not look";
 }
 
-TEST_F(SeenThroughTest, APoseThatIsWrongIs) {
+TEST_F(FreeSpaceOfKeyframes, APoseThatIsWrongIs) {
   keep(wall(), at(0, 0, 0), 0);
   EXPECT_GT(seen_.violationOfLast(wall(), at(0, 0, -0.5)), 0.6);
 }
 
-TEST_F(SeenThroughTest, WhereTheKeptImageIsInvalidNothingIsKnown) {
+TEST_F(FreeSpaceOfKeyframes, WhereTheKeptImageIsInvalidNothingIsKnown) {
   cv::Mat blind = wall();
   blind.setTo(0);
   keep(blind, at(0, 0, 0), 0);
@@ -71,7 +71,7 @@ TEST_F(SeenThroughTest, WhereTheKeptImageIsInvalidNothingIsKnown) {
   EXPECT_EQ(seen_.violationOfLast(blind, at(0, 0, 0)), 0) << "no valid pixel, no share";
 }
 
-TEST_F(SeenThroughTest, ASurfaceThatShouldBeInViewIsMissedWhereTheImageLooksThroughIt) {
+TEST_F(FreeSpaceOfKeyframes, ASurfaceThatIsLookedThroughIsMissed) {
   EXPECT_EQ(seen_.missingSurface(wall(), at(0, 0, 0)), 0);
   keep(withHand(wall(), 1500), at(0, 0, 0), 0);
   EXPECT_EQ(seen_.missingSurface(withHand(wall(), 1500), at(0, 0, 0)), 0);
@@ -82,14 +82,14 @@ TEST_F(SeenThroughTest, ASurfaceThatShouldBeInViewIsMissedWhereTheImageLooksThro
   EXPECT_GT(seen_.missingSurface(wall(), at(0, 0, 0.5)), 0.6) << "the wall should be half a metre nearer";
 }
 
-TEST_F(SeenThroughTest, EarlierImagesAreRemembered) {
+TEST_F(FreeSpaceOfKeyframes, EarlierImagesAreRemembered) {
   keep(wall(), at(0, 0, 0), 0);
   keep(wall(), at(20, 0, 0), 1);
   EXPECT_EQ(seen_.violationOfLast(withHand(wall()), at(0, 0, 0)), 0);
   EXPECT_NEAR(seen_.violation(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
 }
 
-TEST_F(SeenThroughTest, AfterACorrectionImagesAreWhereTheirFramesAre) {
+TEST_F(FreeSpaceOfKeyframes, AfterACorrectionImagesAreWhereTheirFramesAre) {
   keep(wall(), at(0, 0, 0), 0);
   keep(wall(), at(20, 0, 0), 1);
   const std::vector<Pose> corrected{at(5, 0, 0), at(30, 0, 0)};
@@ -99,7 +99,7 @@ TEST_F(SeenThroughTest, AfterACorrectionImagesAreWhereTheirFramesAre) {
   EXPECT_NEAR(seen_.violationOfLast(withHand(wall()), at(30, 0, 0)), 0.5, 0.05);
 }
 
-TEST_F(SeenThroughTest, AGlanceForgivesADecimetre) {
+TEST_F(FreeSpaceOfKeyframes, AGlanceForgivesADecimetre) {
   keep(wall(), at(0, 0, 0), 0);
   const auto quickScore = [&](const cv::Mat& depth, const Pose& place) {
     return seen_.quickScore(depth, std::vector<Pose>{place}).at(0);

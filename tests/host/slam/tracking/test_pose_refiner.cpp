@@ -17,7 +17,7 @@ constexpr int kFrames = 4, kStride = 4, kIterations = 30;
 constexpr double kShiftTolerance = 0.1 * 0.04;
 constexpr double kTurnTolerance = kShiftTolerance / 2;
 
-class RefinerTest : public ValidatingDevice {
+class Refining : public ValidatingDevice {
  protected:
   void fuse(const Sequence& sequence) {
     run_.emplace(device(), sequence, kVolume);
@@ -58,7 +58,7 @@ Sequence wallSequence() {
   return sequence;
 }
 // GPUs evaluate the steps that would follow refused ones as well.
-TEST_F(RefinerTest, TrialsThatAreEvaluatedTogetherChangeNoBit) {
+TEST_F(Refining, TrialsThatAreEvaluatedTogetherChangeNoBit) {
   fuse(makeSequence(kPlainCamera, kFrames, 81));
   const std::vector<Pose> starts{off({0.03, -0.02, 0.02}, 0.02, {1, 2, 0}),
                                  off({0.2, 0.1, 0}, 0.1, {0, 1, 3}), truth_};
@@ -78,7 +78,7 @@ TEST_F(RefinerTest, TrialsThatAreEvaluatedTogetherChangeNoBit) {
   }
 }
 
-TEST_F(RefinerTest, ComesBackToTheFusedPose) {
+TEST_F(Refining, ComesBackToTheFusedPose) {
   fuse(makeSequence(kOddCamera, kFrames, 81));
   const std::vector<Pose> starts = {off({0, 0, 0}, 0, {1, 0, 0}),
                                     off({0.03, 0, 0}, 0, {1, 0, 0}),
@@ -100,7 +100,7 @@ TEST_F(RefinerTest, ComesBackToTheFusedPose) {
   }
 }
 
-TEST_F(RefinerTest, BesideAWrongPlaceTheRightOneIsFound) {
+TEST_F(Refining, BesideAWrongPlaceTheRightOneIsFound) {
   fuse(makeSequence(kOddCamera, kFrames, 81));
   for (const Eigen::Vector3d& aside : {Eigen::Vector3d(0.45, 0, 0), Eigen::Vector3d(0, 0.45, 0)}) {
     SCOPED_TRACE(aside.transpose());
@@ -113,7 +113,7 @@ TEST_F(RefinerTest, BesideAWrongPlaceTheRightOneIsFound) {
   }
 }
 
-TEST_F(RefinerTest, ExpectationsDoNotMoveWhatTheDepthHolds) {
+TEST_F(Refining, ExpectationsDoNotMoveWhatTheDepthHolds) {
   fuse(makeSequence(kOddCamera, kFrames, 81));
   const Pose wrong = off({0.05, -0.05, 0.05}, 0.05, {1, 1, 1});
   const auto fit = refine({truth_}, wrong)[0];
@@ -121,7 +121,7 @@ TEST_F(RefinerTest, ExpectationsDoNotMoveWhatTheDepthHolds) {
   EXPECT_LT(turnOf(fit.world_from_camera), kTurnTolerance);
 }
 
-TEST_F(RefinerTest, SeveralStartsKeepTheirOrder) {
+TEST_F(Refining, SeveralStartsKeepTheirOrder) {
   fuse(makeSequence(kOddCamera, kFrames, 82));
   // One that sees nothing (the first to finish) between ones that come back, and one that starts at the goal.
   const std::vector<Pose> starts = {off({0.02, 0, 0}, 0, {1, 0, 0}), off({40, 0, 0}, 0, {1, 0, 0}),
@@ -141,7 +141,7 @@ TEST_F(RefinerTest, SeveralStartsKeepTheirOrder) {
   for (const int i : {0, 2, 3}) EXPECT_LT(shiftOf(together[i].world_from_camera), kShiftTolerance);
 }
 
-TEST_F(RefinerTest, AlongAPlaneTheExpectedPoseDecides) {
+TEST_F(Refining, AlongAPlaneTheExpectedPoseDecides) {
   fuse(wallSequence());
   // Along the wall: x, y and the turn about its normal. Off it: z and the turns that tilt.
   const Pose expected = off({0.03, -0.02, 0.02}, 0.02, {0, 0, 1});
@@ -159,7 +159,7 @@ TEST_F(RefinerTest, AlongAPlaneTheExpectedPoseDecides) {
   EXPECT_LT(rotationAngle(Pose(found * expected.inverse())), kTurnTolerance);
 }
 
-TEST_F(RefinerTest, CountsThePointsItReads) {
+TEST_F(Refining, CountsThePointsItReads) {
   fuse(makeSequence(kOddCamera, kFrames, 81));
   refiner_->takePointsRead();
   refiner_->refine(run_->volume, std::vector<Pose>{truth_, truth_}, 0, truth_);
