@@ -21,6 +21,12 @@ constexpr double kAlike = 20;
 // with the view. Beyond twice of it a residual counts linearly.
 constexpr double kLuminanceDeviation = 0.03, kLuminanceHuber = 2 * kLuminanceDeviation;
 
+// A plane leaves three directions open; more need not be asked for what noise makes of them.
+constexpr int kOpenBeforeAPlane = 3;
+// Of the model's slopes, noise is alike over about a voxel: so far a pose is moved to see whether its cost
+// rises (tests/bench/notes/tracking.md#constraints-that-noise-feigns).
+constexpr double kProbeVoxels = 1;
+
 constexpr double kLeastDamping = 1e-6, kMostDamping = 1e3;
 
 double nextDamping(double refused) {
@@ -65,12 +71,16 @@ struct PoseRefiner::LocalModel {
   Vector6 gradient;
   Matrix6 hold = Matrix6::Zero();  ///< weight of the expected pose, per direction
   double constraint = 0;
+  Matrix6 information = Matrix6::Zero();  ///< the Hessian without what is overstated
+  Vector6 scale =
+      Vector6::Zero();   ///< of unknowns without units, in which a plane holds its own direction by 1
   double cost_unit = 0;  ///< of the normal equations' weights, in those of the cost
   /// A step moves the gain by gain_step + gain_slope * step.
   Vector6 gain_slope = Vector6::Zero();
   double gain_step = 0;
 
-  LocalModel(const Evaluation& at, double colour_weight, double least_constraint)
+  /// `overstated`: of the scaled Hessian, what the cost does not confirm (PoseRefiner::overstatedAt).
+  LocalModel(const Evaluation& at, double colour_weight, double least_constraint, const Matrix6& overstated)
       : hessian(symmetric<6>(&at.depth[shader::kRefineHessian])),
         gradient(Eigen::Map<const Vector6>(&at.depth[shader::kRefineGradient])) {
     // Turns are compared with shifts at the mean distance, and all with a plane's own direction.
@@ -78,15 +88,22 @@ struct PoseRefiner::LocalModel {
     if (at.colour) add(*at.colour, colour_weight);
     if (!(shifts > 0 && turns > 0)) return;
     cost_unit = at.depth[shader::kRefineCostWeight] / shifts;
-    Vector6 scale = Vector6::Constant(1 / std::sqrt(shifts));
-    scale.tail<3>().setConstant(1 / std::sqrt(turns));
-    const Eigen::SelfAdjointEigenSolver<Matrix6> solver(scale.asDiagonal() * hessian * scale.asDiagonal());
-    constraint = std::max(0.0, solver.eigenvalues()[0]);
-    const Vector6 missing = (least_constraint - solver.eigenvalues().array()).max(0.0);
+    scale << Eigen::Vector3d::Constant(1 / std::sqrt(shifts)),
+        Eigen::Vector3d::Constant(1 / std::sqrt(turns));
     const Vector6 unscale = scale.cwiseInverse();
-    hold = unscale.asDiagonal() * solver.eigenvectors() * missing.asDiagonal() *
-           solver.eigenvectors().transpose() * unscale.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Matrix6> solver(scaledHessian() - overstated);
+    const Matrix6& axes = solver.eigenvectors();
+    const Vector6 held = solver.eigenvalues().cwiseMax(0);
+    constraint = held[0];
+    information = unscale.asDiagonal() * axes * held.asDiagonal() * axes.transpose() * unscale.asDiagonal();
+    // Where the expected pose has to hold a direction, it outweighs noise as well.
+    Vector6 missing = (least_constraint - solver.eigenvalues().array()).max(0.0);
+    for (int i = 0; i < 6; ++i)
+      if (missing[i] > 0) missing[i] = least_constraint - held[i] + axes.col(i).dot(overstated * axes.col(i));
+    hold = unscale.asDiagonal() * axes * missing.asDiagonal() * axes.transpose() * unscale.asDiagonal();
   }
+
+  Matrix6 scaledHessian() const { return scale.asDiagonal() * hessian * scale.asDiagonal(); }
 
   /// The gain is solved for beside each step (Schur complement), so that a change of exposure holds nothing.
   void add(const RefineColourSums& sums, double weight) {
@@ -206,7 +223,7 @@ PoseFit PoseRefiner::fitOf(const Descent& d) const {
   if (sums[shader::kRefineUsable] > 0) {
     // The equations' weights are shares of the smallest variance that a depth can have.
     const double variance = kAlike * std::pow(weights_.noise.floor, 2);
-    fit.covariance = (d.model.hessian / variance + Matrix6::Identity()).inverse();
+    fit.covariance = (d.model.information / variance + Matrix6::Identity()).inverse();
   }
   if (sums[shader::kRefineMostCost] > 0) {
     fit.cost = sums[shader::kRefineCost] / sums[shader::kRefineMostCost];
@@ -221,14 +238,44 @@ PoseFit PoseRefiner::fitOf(const Descent& d) const {
   return fit;
 }
 
+Eigen::Matrix<double, 6, 6> PoseRefiner::overstatedAt(const Volume& volume, const Pose& pose,
+                                                      const RefineSums& depth) {
+  Matrix6 overstated = Matrix6::Zero();
+  const LocalModel model({depth, {}}, 0, 0, overstated);
+  if (model.cost_unit == 0) return overstated;
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(model.scaledHessian());
+  const double probe = kProbeVoxels * volume.options().voxel_size / model.scale[0];  // without units
+  std::vector<Place> places;
+  for (int i = 0; i < kOpenBeforeAPlane; ++i)
+    for (const double step : {-probe, probe})
+      places.push_back({moved(pose, step * model.scale.asDiagonal() * solver.eigenvectors().col(i))});
+  const bool asks_colour = std::exchange(asks_colour_, false);
+  const std::vector<Evaluation> aside = evaluate(volume, places);
+  asks_colour_ = asks_colour;
+  for (int i = 0; i < kOpenBeforeAPlane; ++i) {
+    const auto costAt = [&](int place) { return aside[place].depth[shader::kRefineCost]; };
+    const double rise = (costAt(2 * i) + costAt(2 * i + 1)) / 2 - depth[shader::kRefineCost];
+    const double claimed = solver.eigenvalues()[i], found = 2 * rise / (model.cost_unit * probe * probe);
+    const Vector6 axis = solver.eigenvectors().col(i);
+    overstated += (claimed - std::clamp(found, 0.0, claimed)) * axis * axis.transpose();
+  }
+  return overstated;
+}
+
 std::vector<PoseFit> PoseRefiner::refine(const Volume& volume, std::span<const Pose> starts, int iterations,
                                          const Pose& expected) {
+  Matrix6 overstated = Matrix6::Zero();
   const auto modelOf = [&](const Evaluation& at) {
-    return LocalModel(at, colour_weight_, settings_.least_constraint);
+    return LocalModel(at, colour_weight_, settings_.least_constraint, overstated);
   };
   std::vector<Place> places;
   for (const Pose& start : starts) places.push_back({start});
   std::vector<Evaluation> first = evaluate(volume, places);
+  if (last_ && !first.empty()) {
+    const auto costOf = [](const Evaluation& at) { return at.depth[shader::kRefineCost]; };
+    const auto best = std::ranges::min_element(first, {}, costOf) - first.begin();
+    overstated = overstatedAt(volume, starts[best], first[best].depth);
+  }
   if (coloured_ && !asks_colour_ && volume.options().colour) {
     // Starts that are far off leave most of the points without a slope, and directions open for that alone.
     asks_colour_ = std::all_of(first.begin(), first.end(), [&](const Evaluation& at) {

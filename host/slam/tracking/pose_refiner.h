@@ -50,6 +50,9 @@ class PoseRefiner {
   struct LocalModel;
   struct Descent;
   struct Trial;
+  /// What the normal equations at a pose claim to hold, without units, and the cost around it does not: noise
+  /// of the model's slopes feigns constraints before flat walls.
+  Eigen::Matrix<double, 6, 6> overstatedAt(const Volume& volume, const Pose& pose, const RefineSums& depth);
   bool ends(const Vector6& step, double damping) const;
   void propose(Descent& descent, int most_trials, const Pose& expected, std::vector<Trial>& trials);
   std::vector<Evaluation> evaluate(const Volume& volume, std::span<const Place> places);
