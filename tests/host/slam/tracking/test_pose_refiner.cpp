@@ -2,6 +2,8 @@
 // fused.
 #include "host/slam/tracking/pose_refiner.h"
 
+#include <random>
+
 #include "host/slam/relocalisation/pose_search.h"
 #include "tests/engine/scene_run.h"
 #include "tests/engine/validating_device.h"
@@ -57,6 +59,15 @@ Sequence wallSequence() {
   }
   return sequence;
 }
+
+/// 2 cm, each pixel on its own.
+void addNoise(reference::Image& image, std::uint32_t seed) {
+  std::mt19937 rng(seed);
+  std::normal_distribution<double> error(0, 0.02 * 5000);
+  for (std::uint16_t& depth : image.depth)
+    if (depth != 0 && depth != 65535) depth = static_cast<std::uint16_t>(depth + error(rng));
+}
+
 // GPUs evaluate the steps that would follow refused ones as well.
 TEST_F(Refining, TrialsThatAreEvaluatedTogetherChangeNoBit) {
   fuse(makeSequence(kPlainCamera, kFrames, 81));
@@ -157,6 +168,26 @@ TEST_F(Refining, AlongAPlaneTheExpectedPoseDecides) {
   const Eigen::Vector3d normal = found.linear().transpose().col(2);
   EXPECT_LT((normal - truth_.linear().transpose().col(2)).norm(), kTurnTolerance);
   EXPECT_LT(rotationAngle(Pose(found * expected.inverse())), kTurnTolerance);
+}
+
+// Noise gives the wall slopes, by which the equations alone seem to hold a shift along it.
+TEST_F(Refining, NoiseOfAWallHoldsNothingAlongIt) {
+  Sequence sequence = wallSequence();
+  for (int i = 0; i < kFrames; ++i) addNoise(sequence.images[i], 90 + i);
+  fuse(sequence);
+  run_->sequence.images.back() = wallSequence().images.back();
+  addNoise(run_->sequence.images.back(), 99);
+  run_->load(kFrames - 1);
+  const Pose expected = off({0.06, -0.05, 0}, 0, {0, 0, 1});
+  refiner_->selectPixels(run_->preprocess.frame(), kStride);  // of no last pose: the equations are believed
+  const PoseFit believed = refine({truth_}, expected)[0];
+  EXPECT_GT(believed.observability, 10 * settings_.refine.least_constraint) << "or noise feigns nothing here";
+  EXPECT_LT(shiftOf(believed.world_from_camera), 0.02);
+  refiner_->selectPixels(run_->preprocess.frame(), kStride, truth_);
+  const PoseFit fit = refine({truth_}, expected)[0];
+  EXPECT_LT(fit.observability, settings_.refine.least_constraint);
+  EXPECT_LT((fit.world_from_camera.translation() - expected.translation()).norm(), 0.02);
+  EXPECT_GT(fit.shiftDeviation(), 10 * believed.shiftDeviation()) << "said as well";
 }
 
 TEST_F(Refining, CountsThePointsItReads) {
