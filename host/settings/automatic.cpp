@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 #include "host/core/number_text.h"
 
@@ -59,11 +60,11 @@ double voxelFor(const SceneMeasures& scene, const DepthSettings& depth) {
   return std::max(std::min(nearestStep(across), kRoomVoxel), nearestStep(least));
 }
 
-/// The model nearest to what was measured; none where nothing was, or none is near.
-const SensorModel* nearestModel(const SceneMeasures& scene) {
+/// The model nearest to what was measured; none where nothing was, or none within that misfit.
+const SensorModel* nearestModel(const SceneMeasures& scene, double largest_misfit = kAnotherSensor) {
   if (scene.phone) return sensorModel(DepthSensor::kIphone);
   const SensorModel* nearest = nullptr;
-  double least = kAnotherSensor;
+  double least = largest_misfit;
   for (const SensorModel& model : sensorModels()) {
     if (model.sensor == DepthSensor::kIphone || scene.far_depth > model.reach) continue;
     const std::optional<double> off = misfit(model, scene);
@@ -72,6 +73,15 @@ const SensorModel* nearestModel(const SceneMeasures& scene) {
     nearest = &model;
   }
   return nearest;
+}
+
+/// Whether the depth is far noisier than that sensor's: with its noise most pixels would pass for edges and
+/// most poses for wrong ones.
+bool isNoisierThan(const SensorModel& model, const SceneMeasures& scene) {
+  double sum = 0;
+  for (const SceneMeasures::Deviation& at : scene.flat)
+    sum += std::log2(at.deviation / model.flatDeviation(at.depth));
+  return sum > kAnotherSensor * static_cast<double>(scene.flat.size());
 }
 
 void take(const SensorModel& model, Settings& settings) {
@@ -101,7 +111,12 @@ Settings resolved(Settings settings, const std::optional<SceneMeasures>& scene) 
   if (scene && hasAutomatic(settings))
     settings.tracking.min_valid_share =
         std::min(settings.tracking.min_valid_share, kShareOfFirst * scene->valid_share);
-  if (const SensorModel* named = sensorModel(settings.depth.sensor)) take(*named, settings);
+  if (const SensorModel* named = sensorModel(settings.depth.sensor)) {
+    const bool contradicted = scene && isNoisierThan(*named, *scene);
+    const SensorModel* nearest =
+        contradicted ? nearestModel(*scene, std::numeric_limits<double>::infinity()) : nullptr;
+    take(nearest ? *nearest : *named, settings);
+  }
   if (settings.depth.sensor == DepthSensor::kAuto && scene)
     if (const SensorModel* nearest = nearestModel(*scene)) take(*nearest, settings);
   const double far_deviation = scene ? settings.depth.deviationAt(scene->far_depth) : 0;
@@ -145,6 +160,11 @@ std::vector<std::string> choicesOf(const Settings& asked, const Settings& taken,
               "(depth.sensor, --sensor)."
             : "The depth's noise is like that of no sensor known; it is taken as a Kinect's (depth.sensor, "
               "--sensor).");
+  else if (model && taken.depth.sensor != asked.depth.sensor)
+    said.push_back(printed(
+        "The depth is far noisier than a %s's, which depth.sensor (--sensor) says it is; it is taken as a "
+        "%s's (depth.sensor=given takes depth.noise_floor and depth.noise_growth as they are set).",
+        sensorModel(asked.depth.sensor)->name, model->name));
   else if (model && misfit(*model, *scene).value_or(0) > kAnotherSensor)
     said.push_back(
         printed("The depth's noise is unlike a %s's, which depth.sensor (--sensor) says it is; 'auto' "

@@ -90,6 +90,19 @@ TEST(SceneSurvey, ASensorThatTheDepthContradictsIsTold) {
   EXPECT_THAT(choicesOf(asked, resolved(asked, scene), scene).back(), HasSubstr("unlike a d400's"));
 }
 
+// A time-of-flight camera's millimetre would call most of a stereo camera's pixels edges.
+TEST(SceneSurvey, DepthFarNoisierThanTheSensorNamedIsTakenAsMeasured) {
+  Settings asked = automatic();
+  applyAssignment(asked, "depth.sensor=kinect2");
+  const auto noisy = survey(floorFrom(1, stereo)), smooth = survey(floorFrom(1, nothing));
+  const Settings taken = resolved(asked, noisy);
+  EXPECT_EQ(taken.depth.sensor, DepthSensor::kD400);
+  EXPECT_EQ(taken.depth.noise_growth, sensorModel(DepthSensor::kD400)->noise_growth);
+  EXPECT_THAT(choicesOf(asked, taken, noisy).back(),
+              AllOf(HasSubstr("noisier than a kinect2's"), HasSubstr("taken as a d400's")));
+  EXPECT_EQ(resolved(asked, smooth).depth.sensor, DepthSensor::kKinect2) << "less noise does no harm";
+}
+
 TEST(SceneSurvey, VoxelsFollowTheSizeOfTheView) {
   const auto voxel = [](double height) {
     return resolved(automatic(), survey(floorFrom(height, kinect))).volume;
