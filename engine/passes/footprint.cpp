@@ -34,7 +34,8 @@ FootprintPass::FootprintPass(Device& device, const CameraIntrinsics& camera)
 }
 
 void FootprintPass::record(Recorder& recorder, const Buffer& raw, const Buffer& own, const Buffer& depth,
-                           const Buffer& points, float voxel_size, const SensorNoise& noise) {
+                           const Buffer& points, float voxel_size, const SensorNoise& noise, float min_depth,
+                           float max_depth) {
   for (int level = 0; voxel_size > 0 && level < kFootprintLevels; ++level) {
     const glm::ivec2 cells = cellsOf(camera_, level), finer = cellsOf(camera_, std::max(level - 1, 0));
     const MomentsParams params{{camera_.size.x, camera_.size.y, finer.x, finer.y},
@@ -43,9 +44,13 @@ void FootprintPass::record(Recorder& recorder, const Buffer& raw, const Buffer& 
     recorder.dispatch(moments_, {own, below, cells_[level]}, params, groupsOf(cells));
   }
   const glm::ivec2 cells = cellsOf(camera_, 0);
-  const FootprintParams params{camera_.focal_centre, {camera_.size.x, camera_.size.y, cells.x, cells.y},
-                               voxel_size,           noise.floor,
-                               noise.growth,         0};
+  const FootprintParams params{camera_.focal_centre,
+                               {camera_.size.x, camera_.size.y, cells.x, cells.y},
+                               voxel_size,
+                               noise.floor,
+                               noise.growth,
+                               min_depth,
+                               max_depth};
   recorder.dispatch(footprint_, {raw, own, cells_[0], cells_[1], cells_[2], cells_[3], depth, points}, params,
                     groupsOf(cells));
 }

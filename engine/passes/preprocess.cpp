@@ -59,7 +59,8 @@ void PreprocessPass::recordKernel(Recorder& recorder, float metres_per_unit, flo
   const std::uint32_t per_group = 2 * shader::kPreprocessGroup;
   recorder.dispatch(kernel_, {raw_.buffer(), own_depth_}, params,
                     Groups{(pixels + per_group - 1) / per_group});
-  footprint_.record(recorder, raw_.buffer(), own_depth_, frame_.depth, frame_.points, voxel_size, noise);
+  footprint_.record(recorder, raw_.buffer(), own_depth_, frame_.depth, frame_.points, voxel_size, noise,
+                    min_depth, max_depth);
   const int columns = frame_.tile_columns, rows = frame_.tile_rows;
   const shader::FarthestParams tiles{glm::ivec4(camera_.size.x, camera_.size.y, columns, rows)};
   recorder.dispatch(farthest_, {frame_.depth, frame_.tiles}, tiles,

@@ -66,7 +66,9 @@ void main() {
     uint raw = (rawPair(pixel >> 1) >> (16u * (pixel & 1u))) & 0xFFFFu;
     bool hole = raw == 0u || raw == 65535u;
     float q = m.q + dot(plane.slope, vec2(at) - m.at);
-    if (whole && q > 0.0 && (hole || (z > 0.0 && covered)) && leverage(m, plane, vec2(at)) <= 1.0) z = 1.0 / q;
+    // A steep plane may run out to its horizon within a cell.
+    bool within = q * params.max_depth >= 1.0 && q * params.min_depth <= 1.0;
+    if (whole && within && (hole || (z > 0.0 && covered)) && leverage(m, plane, vec2(at)) <= 1.0) z = 1.0 / q;
     vec2 ray = (vec2(at) - params.focal_centre.zw) / params.focal_centre.xy;
     depth[pixel] = z;
     points[pixel] = z > 0.0 ? vec4(ray * z, z, 1.0) : vec4(0.0);

@@ -1,6 +1,7 @@
 // Passes depth_moments and footprint against their reference, and what they are for.
 #include "tests/reference/footprint.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -171,6 +172,16 @@ TEST_P(Footprint, ASurfaceEndsWhereItsDepthsEnd) {
   run(imageOf(GetParam(), [](int u, int) { return u < 74 ? 1.0 : 0.0; }));
   EXPECT_GT(depthAt(73, 50), 0);
   for (int u = 75; u < GetParam().width; ++u) EXPECT_EQ(depthAt(u, 50), 0) << u;
+}
+
+// A plane that runs away from the camera: the hole behind its last depth, of 5.7 m, would lie at 6.2 m;
+// others at no number.
+TEST_P(Footprint, APlaneGivesNoDepthBeyondTheRange) {
+  run(imageOf(GetParam(), [](int u, int) { return u % 56 < 35 ? 1 / (0.6 - 0.0125 * (u % 56)) : 0.0; }));
+  EXPECT_LE(*std::ranges::max_element(depth_), float(sensor_.max_depth));
+  EXPECT_TRUE(agrees(compareWith(options_), kSkippedShare));
+  options_.max_depth = 1e6;
+  EXPECT_TRUE(differs(compareWith(options_))) << "or nothing runs away here";
 }
 
 TEST_P(Footprint, WhatIsNoHoleStaysInvalid) {

@@ -85,7 +85,11 @@ PointImage footprint(const PointImage& own, std::span<const std::uint16_t> raw, 
           const double variance = fit.variance(u, v);
           if (std::abs(variance - options.most_variance) < 1e-3) out.uncertain[i] = true;
           if (variance > options.most_variance) continue;
-          out.depth[i] = 1 / fit.plane.dot(fit.at(u, v));
+          const double inverse = fit.plane.dot(fit.at(u, v));
+          for (const double limit : {options.min_depth, options.max_depth})
+            if (std::abs(inverse * limit - 1) < 1e-5) out.uncertain[i] = true;
+          if (!(inverse >= 1 / options.max_depth && inverse <= 1 / options.min_depth)) continue;
+          out.depth[i] = 1 / inverse;
           out.points[i] = camera.unproject(u, v, out.depth[i]);
         }
     }

@@ -10,8 +10,9 @@ struct FootprintOptions {
   DepthNoise noise;
   int smallest_cell = 4;  ///< pixels along its side; each of `sizes` is twice as large
   int sizes = 4;
-  double deviations = 4;     ///< of a sum of squares, up to which noise explains it
-  double most_variance = 1;  ///< of the plane at a pixel, in those of a depth
+  double deviations = 4;                  ///< of a sum of squares, up to which noise explains it
+  double most_variance = 1;               ///< of the plane at a pixel, in those of a depth
+  double min_depth = 0.3, max_depth = 6;  ///< metres; what a plane gives beyond is no depth
 };
 
 /// What the voxels at each pixel see. Of the cells that hold a pixel, and that are not larger than a voxel at

@@ -35,7 +35,8 @@ struct FootprintParams {
   float voxel_size;   // metres
   float noise_floor;  // see lib/depth_noise.glsl
   float noise_growth;
-  uint pad0;
+  float min_depth;  // metres; a plane's depth outside of both is none
+  float max_depth;
 };
 
 #ifdef __cplusplus
