@@ -25,7 +25,8 @@ void LocalOdometry::begin(std::size_t first, std::span<const Pose> keyframes) {
 
 void LocalOdometry::step(const DeviceFrame& frame, const Pose& last_from_camera) {
   const Pose expected = poses_.back() * last_from_camera;
-  refiner_.selectPixels(frame, settings_.pixel_stride, poses_.back());
+  // Believes all slopes: what noise alone holds slides less than motion that is carried on.
+  refiner_.selectPixels(frame, settings_.pixel_stride, poses_.back(), false);
   const PoseFit fit =
       refiner_.refine(recent_, std::vector<Pose>{expected}, settings_.iterations, expected)[0];
   poses_.push_back(fit.holds(kLeastShare, settings_.least_constraint) ? fit.world_from_camera : expected);

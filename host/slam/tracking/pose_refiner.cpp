@@ -69,8 +69,9 @@ double meanCost(const RefineColourSums& sums) {
 struct PoseRefiner::LocalModel {
   Matrix6 hessian;
   Vector6 gradient;
-  Matrix6 hold = Matrix6::Zero();  ///< weight of the expected pose, per direction
-  double constraint = 0;
+  Matrix6 hold = Matrix6::Zero();         ///< weight of the expected pose, per direction
+  double constraint = 0;                  ///< smallest eigenvalue of the scaled Hessian
+  double confirmed = 0;                   ///< the same without what is overstated
   Matrix6 information = Matrix6::Zero();  ///< the Hessian without what is overstated
   Vector6 scale =
       Vector6::Zero();   ///< of unknowns without units, in which a plane holds its own direction by 1
@@ -91,15 +92,13 @@ struct PoseRefiner::LocalModel {
     scale << Eigen::Vector3d::Constant(1 / std::sqrt(shifts)),
         Eigen::Vector3d::Constant(1 / std::sqrt(turns));
     const Vector6 unscale = scale.cwiseInverse();
+    constraint = std::max(0.0, scaledHessian().selfadjointView<Eigen::Upper>().eigenvalues()[0]);
     const Eigen::SelfAdjointEigenSolver<Matrix6> solver(scaledHessian() - overstated);
     const Matrix6& axes = solver.eigenvectors();
     const Vector6 held = solver.eigenvalues().cwiseMax(0);
-    constraint = held[0];
+    confirmed = held[0];
     information = unscale.asDiagonal() * axes * held.asDiagonal() * axes.transpose() * unscale.asDiagonal();
-    // Where the expected pose has to hold a direction, it outweighs noise as well.
-    Vector6 missing = (least_constraint - solver.eigenvalues().array()).max(0.0);
-    for (int i = 0; i < 6; ++i)
-      if (missing[i] > 0) missing[i] = least_constraint - held[i] + axes.col(i).dot(overstated * axes.col(i));
+    const Vector6 missing = (least_constraint - solver.eigenvalues().array()).max(0.0);
     hold = unscale.asDiagonal() * axes * missing.asDiagonal() * axes.transpose() * unscale.asDiagonal();
   }
 
@@ -154,8 +153,10 @@ PoseRefiner::PoseRefiner(Device& device, const Settings& settings, const Intrins
       refine_(device),
       refine_colour_(device) {}
 
-void PoseRefiner::selectPixels(const DeviceFrame& frame, int stride, const std::optional<Pose>& last) {
+void PoseRefiner::selectPixels(const DeviceFrame& frame, int stride, const std::optional<Pose>& last,
+                               bool doubts_slopes) {
   last_ = last;
+  doubts_slopes_ = last && doubts_slopes;
   coloured_ = last && colour_weight_ > 0 && frame.has_colour ? &frame : nullptr;
   asks_colour_ = false;
   select_.record(recorder_, frame, {stride, stride / 2, stride / 2}, nullptr);  // submitted with a pose
@@ -271,7 +272,7 @@ std::vector<PoseFit> PoseRefiner::refine(const Volume& volume, std::span<const P
   std::vector<Place> places;
   for (const Pose& start : starts) places.push_back({start});
   std::vector<Evaluation> first = evaluate(volume, places);
-  if (last_ && !first.empty()) {
+  if (doubts_slopes_ && !first.empty()) {
     const auto costOf = [](const Evaluation& at) { return at.depth[shader::kRefineCost]; };
     const auto best = std::ranges::min_element(first, {}, costOf) - first.begin();
     overstated = overstatedAt(volume, starts[best], first[best].depth);
@@ -279,7 +280,7 @@ std::vector<PoseFit> PoseRefiner::refine(const Volume& volume, std::span<const P
   if (coloured_ && !asks_colour_ && volume.options().colour) {
     // Starts that are far off leave most of the points without a slope, and directions open for that alone.
     asks_colour_ = std::all_of(first.begin(), first.end(), [&](const Evaluation& at) {
-      return modelOf(at).constraint < kAsksColour * settings_.least_constraint;
+      return modelOf(at).confirmed < kAsksColour * settings_.least_constraint;
     });
     if (asks_colour_) first = evaluate(volume, places);
   }

@@ -28,7 +28,10 @@ class PoseRefiner {
   /// Which pixels the next calls look at: every stride-th of the frame, which must outlive them. `last`: the
   /// last frame's pose; what its image did not hold may be missing in the model. Without it, whatever is
   /// missing counts against a pose, and colour is not asked.
-  void selectPixels(const DeviceFrame& frame, int stride, const std::optional<Pose>& last = {});
+  /// `doubts_slopes`: constraints that the cost does not confirm, since only noise feigns them, count for
+  /// nothing; none are doubted without `last`.
+  void selectPixels(const DeviceFrame& frame, int stride, const std::optional<Pose>& last = {},
+                    bool doubts_slopes = true);
   /// Descends from each start; the results keep the starts' order. `expected`: the pose that the motion model
   /// speaks for; it decides in directions that neither depth nor, with refine.colour_weight, colour
   /// constrains (refine.least_constraint). Once depth holds no start of a call firmly (kAsksColour), colour
@@ -71,6 +74,7 @@ class PoseRefiner {
   RefineColourPass refine_colour_;
   const DeviceFrame* coloured_ = nullptr;  ///< the frame looked at, where its colour may be asked
   bool asks_colour_ = false;
+  bool doubts_slopes_ = false;
   std::uint64_t points_read_ = 0;
 };
 

@@ -185,8 +185,8 @@ TEST_F(Refining, NoiseOfAWallHoldsNothingAlongIt) {
   EXPECT_LT(shiftOf(believed.world_from_camera), 0.02);
   refiner_->selectPixels(run_->preprocess.frame(), kStride, truth_);
   const PoseFit fit = refine({truth_}, expected)[0];
-  EXPECT_LT(fit.observability, settings_.refine.least_constraint);
-  EXPECT_LT((fit.world_from_camera.translation() - expected.translation()).norm(), 0.02);
+  EXPECT_GT(shiftOf(fit.world_from_camera), 2 * shiftOf(believed.world_from_camera))
+      << "towards the expected";
   EXPECT_GT(fit.shiftDeviation(), 10 * believed.shiftDeviation()) << "said as well";
 }
 
