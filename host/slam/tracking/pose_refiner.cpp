@@ -70,8 +70,7 @@ struct PoseRefiner::LocalModel {
   Matrix6 hessian;
   Vector6 gradient;
   Matrix6 hold = Matrix6::Zero();         ///< weight of the expected pose, per direction
-  double constraint = 0;                  ///< smallest eigenvalue of the scaled Hessian
-  double confirmed = 0;                   ///< the same without what is overstated
+  double confirmed = 0;                   ///< smallest eigenvalue, without what is overstated
   Matrix6 information = Matrix6::Zero();  ///< the Hessian without what is overstated
   Vector6 scale =
       Vector6::Zero();   ///< of unknowns without units, in which a plane holds its own direction by 1
@@ -92,7 +91,6 @@ struct PoseRefiner::LocalModel {
     scale << Eigen::Vector3d::Constant(1 / std::sqrt(shifts)),
         Eigen::Vector3d::Constant(1 / std::sqrt(turns));
     const Vector6 unscale = scale.cwiseInverse();
-    constraint = std::max(0.0, scaledHessian().selfadjointView<Eigen::Upper>().eigenvalues()[0]);
     const Eigen::SelfAdjointEigenSolver<Matrix6> solver(scaledHessian() - overstated);
     const Matrix6& axes = solver.eigenvectors();
     const Vector6 held = solver.eigenvalues().cwiseMax(0);
@@ -102,6 +100,10 @@ struct PoseRefiner::LocalModel {
     hold = unscale.asDiagonal() * axes * missing.asDiagonal() * axes.transpose() * unscale.asDiagonal();
   }
 
+  /// Smallest eigenvalue of the scaled Hessian, with what is overstated.
+  double constraint() const {
+    return std::max(0.0, scaledHessian().selfadjointView<Eigen::Upper>().eigenvalues()[0]);
+  }
   Matrix6 scaledHessian() const { return scale.asDiagonal() * hessian * scale.asDiagonal(); }
 
   /// The gain is solved for beside each step (Schur complement), so that a change of exposure holds nothing.
@@ -217,7 +219,7 @@ std::vector<PoseRefiner::Evaluation> PoseRefiner::evaluate(const Volume& volume,
 PoseFit PoseRefiner::fitOf(const Descent& d) const {
   PoseFit fit;
   fit.world_from_camera = d.place.pose;
-  fit.observability = d.model.constraint;
+  fit.observability = d.model.constraint();
   fit.normals =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(d.model.hessian.topLeftCorner<3, 3>()).eigenvectors();
   const RefineSums& sums = d.at.depth;
