@@ -258,7 +258,9 @@ Eigen::Matrix<double, 6, 6> PoseRefiner::overstatedAt(const Volume& volume, cons
   for (int i = 0; i < kOpenBeforeAPlane; ++i) {
     const auto costAt = [&](int place) { return aside[place].depth[shader::kRefineCost]; };
     const double rise = (costAt(2 * i) + costAt(2 * i + 1)) / 2 - depth[shader::kRefineCost];
-    const double claimed = solver.eigenvalues()[i], found = 2 * rise / (model.cost_unit * probe * probe);
+    // Rounding leaves a direction that nothing holds a little below zero.
+    const double claimed = std::max(solver.eigenvalues()[i], 0.0);
+    const double found = 2 * rise / (model.cost_unit * probe * probe);
     const Vector6 axis = solver.eigenvectors().col(i);
     overstated += (claimed - std::clamp(found, 0.0, claimed)) * axis * axis.transpose();
   }
