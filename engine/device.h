@@ -36,6 +36,9 @@ struct DeviceInfo {
   std::string rejected_because;  ///< empty when rosefusion can run on it
   /// Whether what the host writes lies in another memory than the shaders' own.
   bool hasOwnMemory() const { return type == DeviceType::Discrete || type == DeviceType::Virtual; }
+  /// Whether a kernel can bind all chunks of the volume's pools. Where it cannot (Raspberry Pi: 8 buffers), a
+  /// volume has one chunk, as large as a storage binding can be.
+  bool bindsAllChunks() const { return limits.max_storage_buffers >= 16; }
   /// Whether shaders read through texel buffers: on software devices, where llvmpipe is much faster so, and
   /// where these hold at least as much as any storage binding. GPUs were only ever measured without.
   bool readsTexels() const { return type == DeviceType::Cpu && 4ull * limits.max_texels >= (128u << 20); }

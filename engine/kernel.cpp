@@ -2,6 +2,7 @@
 
 #include "engine/error.h"
 #include "engine/kernel_impl.h"
+#include "engine/pool_bindings.h"
 #include "engine/reflection.h"
 
 namespace rosefusion {
@@ -51,18 +52,31 @@ Kernel::Kernel(Device& owner, const ShaderCode& code, std::uint32_t bindings, st
   requireMatch(shader, code, bindings, push_bytes, owner.info());
   const Device::Impl& device = owner.impl();
   impl_->name = code.name;
-  for (const ShaderBinding& binding : shader.bindings) impl_->kinds.push_back(binding.kind);
+  impl_->given = bindings;
+  OnePoolModule one_pool;
+  if (!owner.info().bindsAllChunks()) one_pool = withOnePool(code);
+  if (one_pool.words.empty()) {
+    for (std::uint32_t i = 0; i < bindings; ++i) impl_->kept.push_back(i);
+  } else {
+    impl_->kept = one_pool.kept;
+    if (impl_->kept.size() < bindings && (constants.empty() || constants.front() != 1))
+      throw DeviceError(DeviceErrorCode::Programming,
+                        "Shader " + impl_->name + ": this device binds one chunk of a pool.");
+  }
+  for (const std::uint32_t i : impl_->kept) impl_->kinds.push_back(shader.bindings[i].kind);
+  const std::span<const std::uint32_t> words = one_pool.words.empty() ? code.words : one_pool.words;
+  const auto bound = static_cast<std::uint32_t>(impl_->kept.size());
   impl_->push_bytes = push_bytes;
   impl_->workgroup = shader.workgroup;
   const std::string doing = "building the shader " + impl_->name;
 
   std::vector<VkDescriptorSetLayoutBinding> set;
-  for (std::uint32_t i = 0; i < bindings; ++i)
+  for (std::uint32_t i = 0; i < bound; ++i)
     set.push_back({i, descriptorType(impl_->kinds[i]), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
   impl_->set_layout = {
       device,
       VkDescriptorSetLayoutCreateInfo{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-                                      .bindingCount = bindings,
+                                      .bindingCount = bound,
                                       .pBindings = set.data()},
       doing};
   const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes};
@@ -77,8 +91,8 @@ Kernel::Kernel(Device& owner, const ShaderCode& code, std::uint32_t bindings, st
   const OwnedShaderModule module(
       device,
       VkShaderModuleCreateInfo{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-                               .codeSize = code.words.size_bytes(),
-                               .pCode = code.words.data()},
+                               .codeSize = words.size_bytes(),
+                               .pCode = words.data()},
       doing);
   std::vector<VkSpecializationMapEntry> entries;
   for (std::uint32_t i = 0; i < constants.size(); ++i) entries.push_back({i, 4 * i, 4});

@@ -112,13 +112,14 @@ struct Recorder::Impl {
   }
   void bind(const Kernel::Impl& kernel, std::span<const BoundBuffers> bound, const void* push,
             std::uint32_t push_bytes) {
-    std::vector<const Buffer*> buffers;
+    std::vector<const Buffer*> given, buffers;
     for (const BoundBuffers& several : bound)
-      for (std::size_t i = 0; i < several.size(); ++i) buffers.push_back(&several[i]);
-    if (buffers.size() != kernel.kinds.size() || push_bytes != kernel.push_bytes)
+      for (std::size_t i = 0; i < several.size(); ++i) given.push_back(&several[i]);
+    if (given.size() != kernel.given || push_bytes != kernel.push_bytes)
       throw DeviceError(DeviceErrorCode::Programming, "Kernel " + kernel.name + " was given " +
-                                                          std::to_string(buffers.size()) + " buffers and " +
+                                                          std::to_string(given.size()) + " buffers and " +
                                                           std::to_string(push_bytes) + " B of constants.");
+    for (const std::uint32_t i : kernel.kept) buffers.push_back(given[i]);
     for (const Buffer* buffer : buffers)
       if (!*buffer)
         throw DeviceError(DeviceErrorCode::Programming,

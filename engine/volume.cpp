@@ -127,10 +127,11 @@ void Volume::reserve(std::uint32_t slots) {
   const std::uint32_t chunk_blocks = 1u << chunk_shift_;
   while (capacity_ < slots) {
     const std::uint32_t chunk = capacity_ >> chunk_shift_;
-    if (chunk >= kMaxPoolChunks)
+    const std::uint32_t most_chunks = device_.info().bindsAllChunks() ? kMaxPoolChunks : 1;
+    if (chunk >= most_chunks)
       throw DeviceError(DeviceErrorCode::OutOfMemory,
                         "The scene needs more than " +
-                            std::to_string(std::uint64_t(kMaxPoolChunks) << chunk_shift_) +
+                            std::to_string(std::uint64_t(most_chunks) << chunk_shift_) +
                             " voxel blocks; make volume.voxel_size larger or depth.max smaller.");
     const std::uint32_t in_chunk = capacity_ & (chunk_blocks - 1);
     const std::uint32_t needed = std::min(chunk_blocks, slots - (chunk << chunk_shift_));

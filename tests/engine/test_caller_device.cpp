@@ -243,7 +243,7 @@ struct Poor {
 
   static void VKAPI_CALL poorProperties(VkPhysicalDevice physical, VkPhysicalDeviceProperties* out) {
     properties(physical, out);
-    out->limits.maxPerStageDescriptorStorageBuffers = 15;
+    out->limits.maxPerStageDescriptorStorageBuffers = 7;
     out->limits.maxPushConstantsSize = 96;
   }
   static void VKAPI_CALL poorFamilies(VkPhysicalDevice physical, std::uint32_t* count,
@@ -273,14 +273,14 @@ TEST_F(CallerDevices, AllThatIsMissingIsNamedBeforeAnyWork) {
   handles.queue = nullptr;
   using ::testing::HasSubstr;
   EXPECT_THAT(missingOf(handles), ::testing::UnorderedElementsAre(
-                                      HasSubstr("maxPerStageDescriptorStorageBuffers is 15"),
+                                      HasSubstr("maxPerStageDescriptorStorageBuffers is 7"),
                                       HasSubstr("maxPushConstantsSize is 96"), HasSubstr("no compute queue"),
                                       HasSubstr("queue family 0 has no compute")));
   handles.device = caller.device;
   handles.queue = caller.queue;
   handles.allocator = &caller.callbacks();
   EXPECT_TRUE(throwsDeviceError([&] { Device device(handles); }, DeviceErrorCode::MissingLimit,
-                                {"maxPerStageDescriptorStorageBuffers is 15", "maxPushConstantsSize is 96"}));
+                                {"maxPerStageDescriptorStorageBuffers is 7", "maxPushConstantsSize is 96"}));
   EXPECT_EQ(caller.allocations(), 0) << "nothing is made on a device that cannot be used";
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "engine/caller_device.h"
+#include "engine/pool_bindings.h"
 #include "engine/reflection.h"
 
 namespace rosefusion::testing {
@@ -16,17 +17,41 @@ TEST(ShaderInterfaces, PushConstantsFitEveryDevice) {
 
 /// What Vulkan requires of every device: maxPerStageDescriptorSampledImages, which texel buffers count as,
 /// and maxPerStageDescriptorUniformBuffers. Of storage buffers it requires only 4: a device is asked for
-/// those there is need of.
+/// those there is need of when a pool is one buffer, and all four are bound from so many on as they need.
 TEST(ShaderInterfaces, BindingsFitEveryDeviceThatIsAccepted) {
-  int most_storage = 0;
+  std::uint32_t most_storage = 0, most_of_one_pool = 0;
   for (const ShaderCode& code : allShaders()) {
     std::map<BindingKind, int> count;
-    for (const ShaderBinding& binding : reflect(code).bindings) ++count[binding.kind];
+    const ShaderInterface shader = reflect(code);
+    for (const ShaderBinding& binding : shader.bindings) ++count[binding.kind];
     EXPECT_LE(count[BindingKind::WordTexels] + count[BindingKind::VectorTexels], 16) << code.name;
     EXPECT_LE(count[BindingKind::Uniform], 12) << code.name;
-    most_storage = std::max(most_storage, count[BindingKind::Storage]);
+    most_storage = std::max(most_storage, static_cast<std::uint32_t>(count[BindingKind::Storage]));
+    std::uint32_t storage = 0;
+    for (const std::uint32_t i : withOnePool(code).kept)
+      storage += shader.bindings[i].kind == BindingKind::Storage ? 1 : 0;
+    most_of_one_pool = std::max(most_of_one_pool, storage);
   }
-  EXPECT_EQ(deviceRequirements().limits.max_storage_buffers, static_cast<std::uint32_t>(most_storage));
+  DeviceInfo device;
+  device.limits.max_storage_buffers = most_storage;
+  EXPECT_TRUE(device.bindsAllChunks());
+  --device.limits.max_storage_buffers;
+  EXPECT_FALSE(device.bindsAllChunks());
+  EXPECT_EQ(deviceRequirements().limits.max_storage_buffers, most_of_one_pool);
+}
+
+TEST(ShaderInterfaces, WithOnePoolTheOtherBindingsFollowWithoutGaps) {
+  const ShaderCode code = shaderCode("refine");
+  const OnePoolModule one = withOnePool(code);
+  // Of the pools on 2 to 5 and 10 to 13 the first buffers stay.
+  EXPECT_EQ(one.kept, (std::vector<std::uint32_t>{0, 1, 2, 6, 7, 8, 9, 10}));
+  EXPECT_EQ(one.words.size(), code.words.size());
+  std::map<std::uint32_t, int> users;
+  for (const ShaderBinding& binding : reflect({"refine", one.words}).bindings) ++users[binding.number];
+  EXPECT_EQ(users.size(), one.kept.size());
+  EXPECT_EQ(users[2], 4);
+  EXPECT_EQ(users[3], 1);
+  EXPECT_EQ(users[7], 4);
 }
 
 }  // namespace test_shader_interfaces

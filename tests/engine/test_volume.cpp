@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/caller_device.h"
 #include "engine/passes/fitness.h"
 #include "tests/engine/scene_run.h"
 #include "tests/engine/validating_device.h"
@@ -209,6 +210,14 @@ TEST_F(Volumes, ReachingTheMemoryLimitLeavesThemAsTheyWere) {
 
 TEST_F(Volumes, RunningOutOfPoolsLeavesThemAsTheyWere) {
   expectUnharmed(device(), withPools(128), {"512 voxel blocks", "volume.voxel_size"});
+}
+
+TEST_F(Volumes, OfOneChunkWhereFewBuffersAreBound) {
+  DeviceOptions options = deviceUnderTest();
+  options.limits_at_most.max_storage_buffers = deviceRequirements().limits.max_storage_buffers;
+  Device few(options);
+  expectUnharmed(few, withPools(512), {"512 voxel blocks", "volume.voxel_size"});
+  EXPECT_THAT(few.validationMessages(), ::testing::IsEmpty());
 }
 
 TEST_F(Volumes, TheLastRoomIsUsedBeforeALimitIsReached) {

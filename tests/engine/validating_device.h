@@ -14,13 +14,18 @@
 namespace rosefusion::testing {
 
 /// $ROSEFUSION_DEVICE, else Mesa's software device, so that results do not depend on the machine.
-/// $ROSEFUSION_TEST_MAX_TEXELS, when set: as on a device with so small texel buffers.
+/// $ROSEFUSION_TEST_MAX_TEXELS and _STORAGE_BUFFERS, when set: as on a device with so small texel buffers, or
+/// that binds so few buffers.
 inline DeviceOptions deviceUnderTest() {
   const char* chosen = std::getenv("ROSEFUSION_DEVICE");
-  const char* texels = std::getenv("ROSEFUSION_TEST_MAX_TEXELS");
+  const auto limit = [](const char* name) {
+    const char* text = std::getenv(name);
+    return text ? static_cast<std::uint32_t>(std::strtoul(text, nullptr, 10)) : 0;
+  };
   return {.select = chosen ? chosen : "llvmpipe",
           .validation = true,
-          .limits_at_most = {.max_texels = texels ? std::uint32_t(std::strtoul(texels, nullptr, 10)) : 0}};
+          .limits_at_most = {.max_storage_buffers = limit("ROSEFUSION_TEST_MAX_STORAGE_BUFFERS"),
+                             .max_texels = limit("ROSEFUSION_TEST_MAX_TEXELS")}};
 }
 
 class ValidatingDevice : public ::testing::Test {

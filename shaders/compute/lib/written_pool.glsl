@@ -3,10 +3,10 @@
 // Where texels are read, a pool has two bindings: an invocation reads a word through TEXELS, then writes it through FIRST,
 // and never reads it again. No other invocation touches it.
 #define WRITTEN_POOL(SET, NAME, FIRST)                                                    \
-  layout(std430, binding = FIRST) buffer NAME##_block0 { uint NAME##_written0[]; };       \
-  layout(std430, binding = FIRST + 1u) buffer NAME##_block1 { uint NAME##_written1[]; };  \
-  layout(std430, binding = FIRST + 2u) buffer NAME##_block2 { uint NAME##_written2[]; };  \
-  layout(std430, binding = FIRST + 3u) buffer NAME##_block3 { uint NAME##_written3[]; };  \
+  layout(std430, binding = FIRST) buffer NAME##_0_block { uint NAME##_written0[]; };      \
+  layout(std430, binding = FIRST + 1u) buffer NAME##_1_block { uint NAME##_written1[]; }; \
+  layout(std430, binding = FIRST + 2u) buffer NAME##_2_block { uint NAME##_written2[]; }; \
+  layout(std430, binding = FIRST + 3u) buffer NAME##_3_block { uint NAME##_written3[]; }; \
   void SET(uint chunk, uint word, uint value) {                                           \
     if (kPoolChunks == 1u || chunk == 0u) NAME##_written0[word] = value;                  \
     else if (kPoolChunks == 2u || chunk == 1u) NAME##_written1[word] = value;             \
