@@ -158,7 +158,7 @@ void evaluate(EvalArguments arguments) {
   const Trajectory estimate = readPoses(arguments.estimate);
   Trajectory truth = readTruth(arguments);
   TrajectoryErrorOptions& options = arguments.options;
-  if (arguments.interpolate) options.association = Association::kInterpolated;
+  if (arguments.interpolate) options.association = Association::Interpolated;
   if (options.sequence_frames > 0 && options.sequence_frames < estimate.size())
     throw InputError(
         fmt::format("--frames {}: {} has more poses than that ({}); give the number of frames that the "

@@ -33,7 +33,7 @@ struct EvalMeshArguments {
 
 Alignment alignTrajectories(const EvalMeshArguments& arguments) {
   const auto pairs = associate(readTumTrajectory(arguments.estimate_trajectory),
-                               readTumTrajectory(arguments.truth_trajectory), Association::kNearest,
+                               readTumTrajectory(arguments.truth_trajectory), Association::Nearest,
                                arguments.max_difference_s);
   if (pairs.empty())
     throw InputError(

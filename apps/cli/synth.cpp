@@ -57,7 +57,7 @@ void refuseIgnored(const Arguments& a) {
 void chooseSensor(Arguments& a) {
   a.options.sensor = sensorNamed(a.sensor);
   Sensor& sensor = a.options.sensor;
-  if (sensor.principle == DepthPrinciple::kNoise) {
+  if (sensor.principle == DepthPrinciple::Noise) {
     if (!a.registered.empty() && a.registered != "none")
       throw InputError(
           "--registered means nothing to --sensor kinect1, whose depth is the colour camera's; leave it "
@@ -69,7 +69,7 @@ void chooseSensor(Arguments& a) {
       throw InputError(option->get_name() + ": --sensor " + a.sensor +
                        " is one camera as it is; leave it out.");
   if (!a.registered.empty()) sensor.registration = registrationFrom(a.registered);
-  if (sensor.registration != Registration::kNone && sensor.colour.width == 0)
+  if (sensor.registration != Registration::None && sensor.colour.width == 0)
     throw InputError("--registered: the depth of --sensor " + a.sensor +
                      " is the colour camera's already; leave it out.");
   if (a.fps->count() == 0) a.options.fps = sensor.fps;
@@ -78,9 +78,9 @@ void chooseSensor(Arguments& a) {
 
 /// A desk is looked at more slowly than a room, an object by 2.5 degrees a frame unless a speed is given.
 void chooseScene(Arguments& a) {
-  a.options.scene = a.scene == "desk"     ? SceneKind::kDesk
-                    : a.scene == "object" ? SceneKind::kObject
-                                          : SceneKind::kRoom;
+  a.options.scene = a.scene == "desk"     ? SceneKind::Desk
+                    : a.scene == "object" ? SceneKind::Object
+                                          : SceneKind::Room;
   if (a.scene == "room") return;
   a.options.linear = {0.15, 0.5, 0.9};
   if (a.mean || a.low || a.high) a.options.turn_per_frame = 0;
@@ -113,16 +113,16 @@ void settle(Arguments& a) {
   Intrinsics& k = a.options.intrinsics;
   k.cx = a.cx.value_or((k.width - 1) / 2.0);
   k.cy = a.cy.value_or((k.height - 1) / 2.0);
-  const std::map<std::string, Motion> motions{{"6d", Motion::kSixDof},
-                                              {"linear", Motion::kLinear},
-                                              {"rotation", Motion::kRotation},
-                                              {"replay", Motion::kReplay}};
-  const std::map<std::string, UpAxis> axes{{"guess", UpAxis::kGuess}, {"y", UpAxis::kY}, {"z", UpAxis::kZ}};
-  a.options.motion = a.options.replay_file.empty() ? motions.at(a.motion) : Motion::kReplay;
-  if (a.scene != "room") a.options.motion = Motion::kAround;
+  const std::map<std::string, Motion> motions{{"6d", Motion::SixDof},
+                                              {"linear", Motion::Linear},
+                                              {"rotation", Motion::Rotation},
+                                              {"replay", Motion::Replay}};
+  const std::map<std::string, UpAxis> axes{{"guess", UpAxis::Guess}, {"y", UpAxis::Y}, {"z", UpAxis::Z}};
+  a.options.motion = a.options.replay_file.empty() ? motions.at(a.motion) : Motion::Replay;
+  if (a.scene != "room") a.options.motion = Motion::Around;
   a.options.up = axes.at(a.up);
   a.options.noise = depthNoiseFrom(a.noise);
-  if (a.options.motion == Motion::kReplay && !a.frames_given) a.options.frames = kAllFrames;
+  if (a.options.motion == Motion::Replay && !a.frames_given) a.options.frames = kAllFrames;
 }
 
 void run(Arguments& a) {

@@ -46,12 +46,12 @@ DisturbedSequence::DisturbedSequence(Sequence& whole, Disturbance disturbance)
                      " frames, too few to disturb some of them; give --frames " +
                      std::to_string(kLeastFrames) + " or more.");
   info_ = whole.info();
-  count_ = disturbance == Disturbance::kNone ? 0 : disturbance == Disturbance::kBlack ? 10 : 30;
-  if (disturbance == Disturbance::kCut) info_.frames -= count_;
+  count_ = disturbance == Disturbance::None ? 0 : disturbance == Disturbance::Black ? 10 : 30;
+  if (disturbance == Disturbance::Cut) info_.frames -= count_;
 }
 
 std::size_t DisturbedSequence::indexInWhole(std::size_t index) const {
-  return disturbance_ == Disturbance::kCut && index >= first_ ? index + count_ : index;
+  return disturbance_ == Disturbance::Cut && index >= first_ ? index + count_ : index;
 }
 
 double DisturbedSequence::viewReturns() const {
@@ -84,8 +84,8 @@ bool DisturbedSequence::read(std::size_t index, Frame& frame, std::string& probl
   if (!whole_.read(i, frame, problem)) return false;
   if (i < first_ || i >= first_ + count_) return true;
   frame.depth = frame.depth.clone();
-  if (disturbance_ == Disturbance::kBlack) frame.depth.setTo(0);
-  if (disturbance_ == Disturbance::kHand)
+  if (disturbance_ == Disturbance::Black) frame.depth.setTo(0);
+  if (disturbance_ == Disturbance::Hand)
     coverWithHand(frame.depth, info_.depth_units_per_metre, 0.5 * static_cast<double>(i - first_));
   return true;
 }

@@ -7,10 +7,10 @@
 namespace rosefusion {
 
 enum class Disturbance {
-  kNone,
-  kCut,    ///< 30 frames are missing, as when the camera was carried off
-  kBlack,  ///< 10 frames without any valid depth
-  kHand,   ///< for 30 frames something half an arm away, moving with the camera, covers half of the image
+  None,
+  Cut,    ///< 30 frames are missing, as when the camera was carried off
+  Black,  ///< 10 frames without any valid depth
+  Hand,   ///< for 30 frames something half an arm away, moving with the camera, covers half of the image
 };
 /// "none", "cut", "black", "hand".
 const char* toString(Disturbance disturbance);

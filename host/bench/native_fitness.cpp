@@ -105,23 +105,23 @@ ROSEFUSION_VARIANT(sumAvx512,
 #endif
 #undef ROSEFUSION_VARIANT
 
-enum class InstructionSet { kPlain, kAvx2, kAvx512 };
+enum class InstructionSet { Plain, Avx2, Avx512 };
 
 InstructionSet instructionSet() {
 #ifdef __x86_64__
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
       __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
-    return InstructionSet::kAvx512;
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return InstructionSet::kAvx2;
+    return InstructionSet::Avx512;
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return InstructionSet::Avx2;
 #endif
-  return InstructionSet::kPlain;
+  return InstructionSet::Plain;
 }
 
 template <bool kSquared>
 SumLosses variant() {
 #ifdef __x86_64__
-  if (instructionSet() == InstructionSet::kAvx512) return sumAvx512<kSquared>;
-  if (instructionSet() == InstructionSet::kAvx2) return sumAvx2<kSquared>;
+  if (instructionSet() == InstructionSet::Avx512) return sumAvx512<kSquared>;
+  if (instructionSet() == InstructionSet::Avx2) return sumAvx2<kSquared>;
 #endif
   return sumPlain<kSquared>;
 }
@@ -173,9 +173,9 @@ std::vector<float> nativeLosses(const NativeVolume& volume, std::span<const glm:
 
 std::string nativeInstructionSet() {
   switch (instructionSet()) {
-    case InstructionSet::kAvx512:
+    case InstructionSet::Avx512:
       return "AVX-512";
-    case InstructionSet::kAvx2:
+    case InstructionSet::Avx2:
       return "AVX2";
     default:
       return "the compiler's default";

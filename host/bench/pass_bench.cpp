@@ -68,7 +68,7 @@ class Bench {
         sequence_(std::move(sequence)),
         templates_(std::move(templates)),
         camera_(toShader(sequence_.intrinsics)),
-        loss_(options.settings.swarm.loss == FitnessLoss::kSquared ? Loss::Squared : Loss::Absolute),
+        loss_(options.settings.swarm.loss == FitnessLoss::Squared ? Loss::Squared : Loss::Absolute),
         recorder_(device),
         volume_(device, volumeOptions(options.settings.volume)),
         frame_(device, camera_),

@@ -26,7 +26,7 @@ struct SensorFlight {
 
 SceneKind sceneNamed(const std::string& word) {
   for (const auto& [name, kind] :
-       {std::pair{"room", SceneKind::kRoom}, {"desk", SceneKind::kDesk}, {"object", SceneKind::kObject}})
+       {std::pair{"room", SceneKind::Room}, {"desk", SceneKind::Desk}, {"object", SceneKind::Object}})
     if (word == name) return kind;
   throw InputError("--scene: there is no scene '" + word + "'; give room, desk or object.");
 }
@@ -42,15 +42,15 @@ SensorFlight flightOf(const SensorSuiteOptions& options, const Sensor& sensor, c
   synth.colour = options.settings.volume.colour;
   synth.frames = options.frames;
   synth.sensor = sensor;
-  if (sensor.principle != DepthPrinciple::kNoise) {
+  if (sensor.principle != DepthPrinciple::Noise) {
     synth.intrinsics = sensor.output();
     synth.fps = sensor.fps;
   }
-  if (synth.scene != SceneKind::kRoom) {
-    synth.motion = Motion::kAround;
+  if (synth.scene != SceneKind::Room) {
+    synth.motion = Motion::Around;
     synth.linear = {0.15, 0.5, 0.9};  // by hand
   }
-  synth.cut_out = synth.scene == SceneKind::kObject;
+  synth.cut_out = synth.scene == SceneKind::Object;
   if (max_speed > 0) {
     synth.linear = synth.linear.endingAt(max_speed);
     synth.turn_per_frame = 0;

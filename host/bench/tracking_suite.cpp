@@ -103,7 +103,7 @@ class Suite {
     if (options_.work.empty()) scratch.emplace("bench");
     const fs::path folder = (scratch ? scratch->path() : options_.work) / flight.name;
     const auto sequence = generatedSequence(folder, flight.synth);
-    if (disturbance == Disturbance::kNone) return track(flight.name, *sequence, {});
+    if (disturbance == Disturbance::None) return track(flight.name, *sequence, {});
     DisturbedSequence disturbed(*sequence, disturbance);
     return track(flight.name + "+" + toString(disturbance), disturbed, {}, disturbed.viewReturns());
   }

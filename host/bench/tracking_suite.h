@@ -22,7 +22,7 @@ struct TrackingSuiteOptions {
   int rooms = 10;                     ///< with the seeds first_seed, first_seed + 1, ...
   std::filesystem::path mesh_folder;  ///< a flight through each .ply and .obj in it, first_seed
   /// Every generated flight is tracked once with each of these.
-  std::vector<Disturbance> disturbances{Disturbance::kNone};
+  std::vector<Disturbance> disturbances{Disturbance::None};
   std::vector<std::filesystem::path> sequences;  ///< recorded ones
   std::size_t stride = 1;                        ///< of `sequences`: every stride-th frame
   std::filesystem::path work;                    ///< keeps the generated sequences; empty: a temporary folder

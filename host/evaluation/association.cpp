@@ -55,8 +55,8 @@ std::vector<PosePair> associateInterpolated(const Trajectory& estimate, const Tr
 
 std::vector<PosePair> associate(const Trajectory& estimate, const Trajectory& truth, Association association,
                                 double max_difference_s) {
-  return association == Association::kNearest ? associateNearest(estimate, truth, max_difference_s)
-                                              : associateInterpolated(estimate, truth, max_difference_s);
+  return association == Association::Nearest ? associateNearest(estimate, truth, max_difference_s)
+                                             : associateInterpolated(estimate, truth, max_difference_s);
 }
 
 }  // namespace rosefusion

@@ -7,8 +7,8 @@
 namespace rosefusion {
 
 enum class Association {
-  kNearest,       ///< the true pose with the nearest stamp, one to one (as the TUM RGB-D tools and evo do)
-  kInterpolated,  ///< the truth interpolated at the estimate's stamps
+  Nearest,       ///< the true pose with the nearest stamp, one to one (as the TUM RGB-D tools and evo do)
+  Interpolated,  ///< the truth interpolated at the estimate's stamps
 };
 
 struct PosePair {

@@ -98,7 +98,7 @@ void countFrames(const Trajectory& estimate, const Trajectory& truth, const std:
 
 std::string describeAssociation(const TrajectoryErrors& errors, const TrajectoryErrorOptions& options) {
   TextStream text;
-  if (options.association == Association::kNearest)
+  if (options.association == Association::Nearest)
     text << "nearest stamps, one to one, at most " << options.max_difference_s << " s apart";
   else
     text << "truth interpolated at the estimate's stamps, across at most " << 2 * options.max_difference_s

@@ -12,7 +12,7 @@
 namespace rosefusion {
 
 struct TrajectoryErrorOptions {
-  Association association = Association::kNearest;
+  Association association = Association::Nearest;
   double max_difference_s = 0.02;  ///< evo's own default is 0.01
   double seconds_per_stamp = 1;    ///< see SequenceInfo; 1/30 where stamps are frame numbers
   /// Frames the sequence has, so that those without a pose count as lost. 0: worked out from the stamps, see

@@ -122,7 +122,7 @@ std::vector<SearchState> StudiedMethod::search(const StudiedFrame& studied) {
   std::vector<SearchState> states;
   std::array<double, 5> none;
   none.fill(std::numeric_limits<double>::quiet_NaN());
-  if (settings_.tracking.method == TrackingMethod::kGaussNewton) {
+  if (settings_.tracking.method == TrackingMethod::GaussNewton) {
     // The descent tells nothing of its steps, but ends after any number of them.
     refiner_.selectPixels(studied.frame, settings_.refine.coarse_pixel_stride);
     states.push_back({studied.last, none});
@@ -134,7 +134,7 @@ std::vector<SearchState> StudiedMethod::search(const StudiedFrame& studied) {
            none});
     return states;
   }
-  const auto fitness = settings_.swarm.loss == FitnessLoss::kSquared ? squaredFitness : absoluteFitness;
+  const auto fitness = settings_.swarm.loss == FitnessLoss::Squared ? squaredFitness : absoluteFitness;
   TrackHistory history;
   history.last = studied.last;
   const TrackResult result =

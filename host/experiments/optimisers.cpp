@@ -104,8 +104,8 @@ SynthOptions synthOf(const ExperimentContext& context, Motion motion) {
   synth.frames = framesPerSequence(context) + static_cast<int>(kFirst);
   synth.motion = motion;
   synth.ramp = 0.1;  // these are few frames, and fast ones are wanted
-  if (motion == Motion::kLinear) synth.linear = {0.5, 1.8, 4};
-  if (motion == Motion::kRotation) synth.angular = {0.2, 1.8, 5};
+  if (motion == Motion::Linear) synth.linear = {0.5, 1.8, 4};
+  if (motion == Motion::Rotation) synth.angular = {0.2, 1.8, 5};
   return synth;
 }
 
@@ -167,7 +167,7 @@ ExperimentResult runOptimisers(const ExperimentContext& context) {
                                          {"pso", {"tracking.method=pso"}},
                                          {"pfo, tau 0.02", {"tracking.method=pfo", "pfo.temperature=0.02"}},
                                          {"gauss-newton", {"tracking.method=gauss-newton"}}};
-  const MotionSet set{"6d", "fast 6-D motion", synthOf(context, Motion::kSixDof), false};
+  const MotionSet set{"6d", "fast 6-D motion", synthOf(context, Motion::SixDof), false};
   const std::vector<Curve> curves = curvesOf(context, set, variants);
   ResultWriter out(context, "optimisers");
   Table table = curveTable();
@@ -213,9 +213,9 @@ ExperimentResult runRescaling(const ExperimentContext& context) {
   const std::vector<Variant> variants = {{"both", {}},
                                          {"anisotropic", {"swarm.rescaling=anisotropic"}},
                                          {"isotropic", {"swarm.rescaling=isotropic"}}};
-  const std::vector<MotionSet> sets = {{"1d", "1-D translation", synthOf(context, Motion::kLinear), true},
-                                       {"3d", "rotation alone", synthOf(context, Motion::kRotation), false},
-                                       {"6d", "6-D motion", synthOf(context, Motion::kSixDof), false}};
+  const std::vector<MotionSet> sets = {{"1d", "1-D translation", synthOf(context, Motion::Linear), true},
+                                       {"3d", "rotation alone", synthOf(context, Motion::Rotation), false},
+                                       {"6d", "6-D motion", synthOf(context, Motion::SixDof), false}};
   ResultWriter out(context, "rescaling");
   Table table = curveTable();
   Plot plot;

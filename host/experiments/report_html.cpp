@@ -97,8 +97,8 @@ std::string tableOf(const std::filesystem::path& file) {
 }  // namespace
 
 std::string summaryOf(const ExperimentResult& result) {
-  const std::size_t agrees = count(result, Agreement::kAgrees), differs = count(result, Agreement::kDiffers),
-                    open = count(result, Agreement::kOpen);
+  const std::size_t agrees = count(result, Agreement::Agrees), differs = count(result, Agreement::Differs),
+                    open = count(result, Agreement::Open);
   const char* word = differs == 0 && open == 0  ? "agrees"
                      : agrees == 0 && open == 0 ? "differs"
                                                 : "agrees in part";

@@ -42,8 +42,8 @@ ExperimentResult fromJson(const nlohmann::ordered_json& j) {
   r.ran = j.at("ran");
   r.paper = j.at("paper");
   for (const auto& v : j.at("verdicts")) {
-    Verdict& verdict = r.verdicts.emplace_back(Verdict{v.at("claim"), v.at("found"), Agreement::kOpen});
-    for (const Agreement a : {Agreement::kAgrees, Agreement::kDiffers})
+    Verdict& verdict = r.verdicts.emplace_back(Verdict{v.at("claim"), v.at("found"), Agreement::Open});
+    for (const Agreement a : {Agreement::Agrees, Agreement::Differs})
       if (v.at("verdict") == toString(a)) verdict.agreement = a;
   }
   for (const auto& table : j.at("tables")) r.tables.push_back(table);

@@ -78,7 +78,7 @@ ExperimentResult runSurfaces(const ExperimentContext& context) {
             options.seed = context.options.seed;
             options.truth_from_reconstruction =
                 alignPoses(
-                    associate(trajectoryOf(summary), sequence.info().truth, Association::kNearest, 0.02),
+                    associate(trajectoryOf(summary), sequence.info().truth, Association::Nearest, 0.02),
                     kLever_m)
                     .truth_from_estimate;
             const MeshErrors errors = measureMesh(surface, sequence.seen(), options);

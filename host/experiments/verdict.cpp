@@ -11,22 +11,22 @@ namespace {
 
 Verdict compared(const std::string& claim, const std::string& unit, const NamedValue& first,
                  const std::vector<NamedValue>& others, double sign, double slack) {
-  Verdict out{claim, fmt::format("{} {:.3g}{}", first.name, first.value, unit), Agreement::kAgrees};
+  Verdict out{claim, fmt::format("{} {:.3g}{}", first.name, first.value, unit), Agreement::Agrees};
   bool open = others.empty() || !std::isfinite(first.value);
   for (const NamedValue& other : others) {
     out.found += fmt::format(", {} {:.3g}{}", other.name, other.value, unit);
     open = open || !std::isfinite(other.value);
     if (sign * (first.value - other.value) > slack * std::abs(other.value))
-      out.agreement = Agreement::kDiffers;
+      out.agreement = Agreement::Differs;
   }
-  if (open) out.agreement = Agreement::kOpen;
+  if (open) out.agreement = Agreement::Open;
   return out;
 }
 
 }  // namespace
 
 const char* toString(Agreement agreement) {
-  return agreement == Agreement::kAgrees ? "agrees" : agreement == Agreement::kDiffers ? "differs" : "open";
+  return agreement == Agreement::Agrees ? "agrees" : agreement == Agreement::Differs ? "differs" : "open";
 }
 
 Verdict leastOf(const std::string& claim, const std::string& unit, const NamedValue& first,

@@ -5,14 +5,14 @@
 
 namespace rosefusion {
 
-enum class Agreement { kAgrees, kDiffers, kOpen };
+enum class Agreement { Agrees, Differs, Open };
 /// "agrees", "differs", "open".
 const char* toString(Agreement agreement);
 
 struct Verdict {
   std::string claim;  ///< the paper's
   std::string found;  ///< the numbers it is held against
-  Agreement agreement = Agreement::kOpen;
+  Agreement agreement = Agreement::Open;
 };
 
 struct NamedValue {

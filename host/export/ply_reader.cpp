@@ -14,12 +14,12 @@
 namespace rosefusion {
 namespace {
 
-enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble, kUnknown };
+enum class Type { Int8, Uint8, Int16, Uint16, Int32, Uint32, Float, Double, Unknown };
 
 struct Property {
   std::string name;
-  Type type = Type::kUnknown;
-  Type count_type = Type::kUnknown;  // of a list; kUnknown: a single value
+  Type type = Type::Unknown;
+  Type count_type = Type::Unknown;  // of a list; Unknown: a single value
 };
 
 struct Element {
@@ -34,7 +34,7 @@ Type typeNamed(const std::string& name) {
                             {"float", "float32"}, {"double", "float64"}};
   for (int i = 0; i < 8; ++i)
     if (name == names[i][0] || name == names[i][1]) return static_cast<Type>(i);
-  return Type::kUnknown;
+  return Type::Unknown;
 }
 
 class PlyReader {
@@ -110,11 +110,11 @@ class PlyReader {
           std::string count_type;
           words >> count_type >> second;
           p.count_type = typeNamed(count_type);
-          if (p.count_type == Type::kUnknown) damaged("a property has an unknown type");
+          if (p.count_type == Type::Unknown) damaged("a property has an unknown type");
         }
         p.type = typeNamed(second);
         words >> p.name;
-        if (p.type == Type::kUnknown) damaged("a property has an unknown type");
+        if (p.type == Type::Unknown) damaged("a property has an unknown type");
         elements_.back().properties.push_back(p);
       }
     }
@@ -142,19 +142,19 @@ class PlyReader {
       return *value;
     }
     switch (type) {
-      case Type::kInt8:
+      case Type::Int8:
         return binaryValue<std::int8_t>();
-      case Type::kUint8:
+      case Type::Uint8:
         return binaryValue<std::uint8_t>();
-      case Type::kInt16:
+      case Type::Int16:
         return binaryValue<std::int16_t>();
-      case Type::kUint16:
+      case Type::Uint16:
         return binaryValue<std::uint16_t>();
-      case Type::kInt32:
+      case Type::Int32:
         return binaryValue<std::int32_t>();
-      case Type::kUint32:
+      case Type::Uint32:
         return binaryValue<std::uint32_t>();
-      case Type::kFloat:
+      case Type::Float:
         return binaryValue<float>();
       default:
         return binaryValue<double>();
@@ -163,7 +163,7 @@ class PlyReader {
 
   /// A single value, or a list into list_.
   double readProperty(const Property& p) {
-    if (p.count_type == Type::kUnknown) return readValue(p.type);
+    if (p.count_type == Type::Unknown) return readValue(p.type);
     const double count = readValue(p.count_type);
     if (!(count >= 0) || count > static_cast<double>(bytes_.size()))
       damaged("a list has an impossible length");
@@ -181,8 +181,8 @@ class PlyReader {
       const auto name = std::find(names, names + 9, p.name);
       slot.push_back(name == names + 9 ? 9 : static_cast<int>(name - names));
       if (slot.back() < 9) ++found[slot.back()];
-      if (slot.back() < 3 && p.type == Type::kFloat && !text_) rounded_ = true;
-      if (p.name == "red" && (p.type == Type::kFloat || p.type == Type::kDouble)) colour_scale = 255;
+      if (slot.back() < 3 && p.type == Type::Float && !text_) rounded_ = true;
+      if (p.name == "red" && (p.type == Type::Float || p.type == Type::Double)) colour_scale = 255;
     }
     if (!found[0] || !found[1] || !found[2]) damaged("its vertices have no x, y and z");
     for (std::size_t i = 0; i < element.count; ++i) {

@@ -62,11 +62,11 @@ double voxelFor(const SceneMeasures& scene, const DepthSettings& depth) {
 
 /// The model nearest to what was measured; none where nothing was, or none within that misfit.
 const SensorModel* nearestModel(const SceneMeasures& scene, double largest_misfit = kAnotherSensor) {
-  if (scene.phone) return sensorModel(DepthSensor::kIphone);
+  if (scene.phone) return sensorModel(DepthSensor::Iphone);
   const SensorModel* nearest = nullptr;
   double least = largest_misfit;
   for (const SensorModel& model : sensorModels()) {
-    if (model.sensor == DepthSensor::kIphone || scene.far_depth > model.reach) continue;
+    if (model.sensor == DepthSensor::Iphone || scene.far_depth > model.reach) continue;
     const std::optional<double> off = misfit(model, scene);
     if (!off || *off >= least) continue;
     least = *off;
@@ -96,7 +96,7 @@ void take(const SensorModel& model, Settings& settings) {
 
 bool hasAutomatic(const Settings& settings) {
   return settings.volume.voxel_size == 0 || settings.volume.truncation == 0 ||
-         settings.depth.sensor != DepthSensor::kGiven;
+         settings.depth.sensor != DepthSensor::Given;
 }
 
 std::optional<double> misfit(const SensorModel& model, const SceneMeasures& scene) {
@@ -117,7 +117,7 @@ Settings resolved(Settings settings, const std::optional<SceneMeasures>& scene) 
         contradicted ? nearestModel(*scene, std::numeric_limits<double>::infinity()) : nullptr;
     take(nearest ? *nearest : *named, settings);
   }
-  if (settings.depth.sensor == DepthSensor::kAuto && scene)
+  if (settings.depth.sensor == DepthSensor::Auto && scene)
     if (const SensorModel* nearest = nearestModel(*scene)) take(*nearest, settings);
   const double far_deviation = scene ? settings.depth.deviationAt(scene->far_depth) : 0;
   VolumeSettings& volume = settings.volume;
@@ -152,7 +152,7 @@ std::vector<std::string> choicesOf(const Settings& asked, const Settings& taken,
                 "(tracking.min_valid_share).",
                 100 * taken.tracking.min_valid_share, 100 * scene->valid_share));
   const SensorModel* model = sensorModel(taken.depth.sensor);
-  if (asked.depth.sensor == DepthSensor::kAuto)
+  if (asked.depth.sensor == DepthSensor::Auto)
     said.push_back(
         model ? printed("The depth's noise is like that of a %s (depth.sensor, --sensor).", model->name)
         : scene->flat.empty()

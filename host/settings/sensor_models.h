@@ -6,15 +6,15 @@ namespace rosefusion {
 
 /// Of depth.sensor.
 enum class DepthSensor {
-  kGiven,  ///< depth.noise_floor, noise_growth and bias_growth, and refine.model_noise, are as they are set
-  kAuto,   ///< that of the list below whose noise the first images show
-  kKinect1,
-  kKinect2,
-  kAzure,
-  kD400,
-  kL515,
-  kF200,
-  kIphone,
+  Given,  ///< depth.noise_floor, noise_growth and bias_growth, and refine.model_noise, are as they are set
+  Auto,   ///< that of the list below whose noise the first images show
+  Kinect1,
+  Kinect2,
+  Azure,
+  D400,
+  L515,
+  F200,
+  Iphone,
 };
 
 /// Lengths in metres, of a depth z in metres.

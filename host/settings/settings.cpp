@@ -132,7 +132,7 @@ void setField(Settings& settings, std::string_view key, const std::string& value
   // Who sets the noise by hand means it.
   if (field.key.starts_with("depth.noise_") || field.key == "depth.bias_growth" ||
       field.key == "refine.model_noise")
-    settings.depth.sensor = DepthSensor::kGiven;
+    settings.depth.sensor = DepthSensor::Given;
 }
 
 std::string fieldText(const Settings& settings, const SettingsField& field) {

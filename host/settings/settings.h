@@ -23,7 +23,7 @@ struct DepthSettings {
   double noise_growth = 0;
   double bias_growth = 0;
   DepthSensor sensor =
-      DepthSensor::kGiven;  ///< where it names one, the three before it are that one's; resolved()
+      DepthSensor::Given;  ///< where it names one, the three before it are that one's; resolved()
   bool footprint = false;
 
   /// Standard deviation of a depth, metres, without what a surface's share.
@@ -42,21 +42,21 @@ struct VolumeSettings {
 
 /// Which pixels a particle counts: all valid ones, those in the overlap of the current best pose with the
 /// last frame (the paper), or those in the overlap of the particle's own pose (the authors' release).
-enum class Overlap { kNone, kBestPose, kParticle };
+enum class Overlap { None, BestPose, EachParticle };
 
 /// How a frame's pose is found; all but the first start from the last frame's.
 enum class TrackingMethod {
-  kDefault,      ///< this program's: motion model, swarm and descent compete, lost cameras are searched for
-  kPst,          ///< the paper: the swarm template alone
-  kPfo,          ///< particle filter optimisation
-  kPso,          ///< particle swarm optimisation
-  kGaussNewton,  ///< the descent alone (Bylow et al. 2013)
-  kIcp,          ///< point-to-plane against the raycast model (KinectFusion)
+  Default,      ///< this program's: motion model, swarm and descent compete, lost cameras are searched for
+  Pst,          ///< the paper: the swarm template alone
+  Pfo,          ///< particle filter optimisation
+  Pso,          ///< particle swarm optimisation
+  GaussNewton,  ///< the descent alone (Bylow et al. 2013)
+  Icp,          ///< point-to-plane against the raycast model (KinectFusion)
 };
 
 struct TrackingSettings {
-  TrackingMethod method = TrackingMethod::kPst;
-  Overlap overlap = Overlap::kBestPose;
+  TrackingMethod method = TrackingMethod::Pst;
+  Overlap overlap = Overlap::BestPose;
   bool normalise = true;
   bool compensate = true;
   double race_margin = 0;

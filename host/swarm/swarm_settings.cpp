@@ -12,12 +12,12 @@ SwarmSettings paperSwarmSettings() {
 
 SwarmSettings releaseSwarmSettings() {
   SwarmSettings settings;
-  settings.loss = FitnessLoss::kAbsolute;
+  settings.loss = FitnessLoss::Absolute;
   settings.max_advantage_particles = 200;
   settings.axis_scale = 0.09;
   settings.empty_set_scale = 0.18;  // inferred: twice axis_scale, as the first length is
   settings.first_axis_scale = 0.18;
-  settings.frame_start = FrameStart::kFailureLoss;
+  settings.frame_start = FrameStart::FailureLoss;
   return settings;
 }
 

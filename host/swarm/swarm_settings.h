@@ -6,20 +6,20 @@
 namespace rosefusion {
 
 enum class FitnessLoss {
-  kSquared,   ///< the paper: fitness = exp(-mean psi^2 / tau) [eq. normallh]
-  kAbsolute,  ///< the authors' release: fitness = 1 - mean |psi|
+  Squared,   ///< the paper: fitness = exp(-mean psi^2 / tau) [eq. normallh]
+  Absolute,  ///< the authors' release: fitness = 1 - mean |psi|
 };
 
 enum class FrameStart {
-  kPreviousFirstLengths,  ///< the paper: r0 of frame t + 1 is r1 of frame t [PST initialization]
-  kFailureLoss,  ///< the release: a sphere scaled by the loss at which the search last failed to improve
+  PreviousFirstLengths,  ///< the paper: r0 of frame t + 1 is r1 of frame t [PST initialization]
+  FailureLoss,  ///< the release: a sphere scaled by the loss at which the search last failed to improve
 };
 
 /// Which parts of [eq. rsinter] rescale the swarm; the others are the paper's ablation.
 enum class Rescaling {
-  kBoth,
-  kAnisotropic,  ///< the attractor alone: 1 - rho stays 1 - initial_likelihood
-  kIsotropic,    ///< 1 - rho alone, on every axis
+  Both,
+  Anisotropic,  ///< the attractor alone: 1 - rho stays 1 - initial_likelihood
+  Isotropic,    ///< 1 - rho alone, on every axis
 };
 
 /// One resolution of the search [Multi-resolution PST].
@@ -31,8 +31,8 @@ struct SwarmLevel {
 
 /// Defaults are the paper's; where it is silent they are the release's, and the comment says so.
 struct SwarmSettings {
-  FitnessLoss loss = FitnessLoss::kSquared;
-  double tau = 1.0;  ///< temperature [eq. pfolh]; kSquared only
+  FitnessLoss loss = FitnessLoss::Squared;
+  double tau = 1.0;  ///< temperature [eq. pfolh]; Squared only
 
   /// A particle counts only with more than this share of particle 0's pixels (release); 0 takes every
   /// particle that has any. The paper counts the same pixels for all, so that the test never bites.
@@ -41,7 +41,7 @@ struct SwarmSettings {
       0;  ///< advantage particles averaged, in template order; 0 = all (paper), release 200
 
   double axis_scale = 1.0;  ///< factor of (1 - rho) v / |v| [eq. rsinter]; release 0.09
-  Rescaling rescaling = Rescaling::kBoth;
+  Rescaling rescaling = Rescaling::Both;
   double axis_epsilon = 1e-3;  ///< epsilon, keeps the template from degenerating [eq. rsinter]
   double axis_momentum = 0.1;  ///< beta, the previous lengths' share [eq. momentum]
   double empty_set_scale =
@@ -49,7 +49,7 @@ struct SwarmSettings {
   double initial_likelihood = 0.5;  ///< where no likelihood can be measured [PST update, first case]
   double first_axis_scale =
       1.0;  ///< r = first_axis_scale (1 - initial_likelihood) on every axis [same]; release 0.18
-  FrameStart frame_start = FrameStart::kPreviousFirstLengths;
+  FrameStart frame_start = FrameStart::PreviousFirstLengths;
 
   std::vector<SwarmLevel> levels = {{10240, 32}, {3072, 16}, {1024, 8}};  ///< used in turn, from the first
   bool restart_levels_when_empty = true;  ///< release: an empty advantage set leads back to the first level

@@ -25,7 +25,7 @@ bool isCounted(const SwarmSettings& settings, std::span<const float> losses,
 }
 
 double fitnessOf(const SwarmSettings& settings, double loss) {
-  return settings.loss == FitnessLoss::kSquared ? std::exp(-loss / settings.tau) : 1 - loss;
+  return settings.loss == FitnessLoss::Squared ? std::exp(-loss / settings.tau) : 1 - loss;
 }
 
 // The advantage set's weighted mean [eq. ebs] and its approximated fitness [eq. wafit].
@@ -66,10 +66,10 @@ AdvantageMean averageAdvantage(const SwarmSettings& settings, const SwarmState& 
 // r^ after a successful iteration [eq. rsinter]. Lengths are magnitudes, whatever the move's direction.
 Vector6 attractedLengths(const SwarmSettings& settings, const Vector6& move, double likelihood) {
   const double norm = move.norm();
-  const bool directed = norm > 0 && settings.rescaling != Rescaling::kIsotropic;
+  const bool directed = norm > 0 && settings.rescaling != Rescaling::Isotropic;
   const Vector6 direction =
       directed ? Vector6(move.cwiseAbs() / norm) : Vector6(Vector6::Ones().normalized());
-  if (settings.rescaling == Rescaling::kAnisotropic) likelihood = settings.initial_likelihood;
+  if (settings.rescaling == Rescaling::Anisotropic) likelihood = settings.initial_likelihood;
   return (settings.axis_scale * (1 - likelihood) * direction).array() + settings.axis_epsilon;
 }
 
@@ -78,11 +78,11 @@ Vector6 initialLengths(const SwarmSettings& settings, double loss) {
 }
 
 StopReason stopReason(const SwarmSettings& settings, const SwarmState& state, const SwarmStep& step) {
-  if (state.empty_sets_in_a_row >= settings.max_empty_sets) return StopReason::kEmptySets;
+  if (state.empty_sets_in_a_row >= settings.max_empty_sets) return StopReason::EmptySets;
   if (step.advantage > 0 && step.move.cwiseAbs().maxCoeff() < settings.minimum_move)
-    return StopReason::kSmallMove;
-  if (state.iteration >= settings.max_iterations) return StopReason::kMaxIterations;
-  return StopReason::kNone;
+    return StopReason::SmallMove;
+  if (state.iteration >= settings.max_iterations) return StopReason::MaxIterations;
+  return StopReason::None;
 }
 
 }  // namespace
@@ -99,7 +99,7 @@ SwarmState beginFrame(const SwarmSettings& settings, const Pose& start, const Sw
   state.best_likelihood = settings.initial_likelihood;
   state.failure_loss = previous_frame ? previous_frame->failure_loss : 1 - settings.initial_likelihood;
   state.serial = previous_frame ? previous_frame->serial : 0;
-  state.axis_lengths = previous_frame && settings.frame_start == FrameStart::kPreviousFirstLengths
+  state.axis_lengths = previous_frame && settings.frame_start == FrameStart::PreviousFirstLengths
                            ? previous_frame->first_axis_lengths
                            : initialLengths(settings, state.failure_loss);
   state.first_axis_lengths = state.axis_lengths;

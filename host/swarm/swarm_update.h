@@ -14,7 +14,7 @@ namespace rosefusion {
 
 /// Why a frame's search has ended: max_empty_sets without a better particle, a negligible move,
 /// max_iterations.
-enum class StopReason { kNone, kEmptySets, kSmallMove, kMaxIterations };
+enum class StopReason { None, EmptySets, SmallMove, MaxIterations };
 
 /// The search for one frame's pose. Read it, let beginFrame and update change it.
 struct SwarmState {
@@ -27,11 +27,10 @@ struct SwarmState {
   uint64_t serial = 0;  ///< iterations since the first frame: number of the next template
   Vector6 first_axis_lengths = Vector6::Zero();  ///< r1 of this frame, seeds the next one
   bool had_empty_set = false;                    ///< in this frame
-  double failure_loss =
-      0;  ///< 1 - rho at the first empty set of the latest frame that had one (kFailureLoss)
-  StopReason stop_reason = StopReason::kNone;
+  double failure_loss = 0;  ///< 1 - rho at the first empty set of the latest frame that had one (FailureLoss)
+  StopReason stop_reason = StopReason::None;
 
-  bool stopped() const { return stop_reason != StopReason::kNone; }
+  bool stopped() const { return stop_reason != StopReason::None; }
 };
 
 /// What one iteration did, for logs and plots.
@@ -44,7 +43,7 @@ struct SwarmStep {
   double likelihood_after = 0;             ///< approximated [eq. wafit]; as before when the set was empty
   Vector6 move = Vector6::Zero();          ///< v [eq. rsdir]
   Vector6 axis_lengths = Vector6::Zero();  ///< r for the next iteration
-  StopReason stop_reason = StopReason::kNone;
+  StopReason stop_reason = StopReason::None;
 };
 
 /// Starts at `start` (usually the last frame's pose) with the lengths of the last frame's first iteration, or

@@ -100,8 +100,8 @@ Trajectory aroundObject(const Tracer& tracer, const SynthOptions& options, Rng& 
 }  // namespace
 
 Trajectory aroundMotion(const Tracer& tracer, const SynthOptions& options, Rng& rng) {
-  return options.scene == SceneKind::kObject ? aroundObject(tracer, options, rng)
-                                             : beforeDesk(tracer, options, rng);
+  return options.scene == SceneKind::Object ? aroundObject(tracer, options, rng)
+                                            : beforeDesk(tracer, options, rng);
 }
 
 }  // namespace rosefusion

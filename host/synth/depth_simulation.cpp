@@ -9,15 +9,15 @@ namespace {
 
 cv::Mat measureDepth(const Sensor& sensor, const Tracer& tracer, const PoseAt& pose_at, Rng& rng) {
   switch (sensor.principle) {
-    case DepthPrinciple::kStereo:
+    case DepthPrinciple::Stereo:
       return measureStereo(sensor, tracer, pose_at, rng);
-    case DepthPrinciple::kStructuredLight:
+    case DepthPrinciple::StructuredLight:
       return measureStructuredLight(sensor, tracer, pose_at, rng);
-    case DepthPrinciple::kTimeOfFlight:
+    case DepthPrinciple::TimeOfFlight:
       return measureTimeOfFlight(sensor, tracer, pose_at, rng);
-    case DepthPrinciple::kPhoneLidar:
+    case DepthPrinciple::PhoneLidar:
       return measurePhoneLidar(sensor, tracer, pose_at, rng);
-    case DepthPrinciple::kNoise:
+    case DepthPrinciple::Noise:
       break;
   }
   throw std::logic_error("kinect1 is simulated by addHandaNoise.");
@@ -27,9 +27,9 @@ cv::Mat measureDepth(const Sensor& sensor, const Tracer& tracer, const PoseAt& p
 
 cv::Mat registerDepth(const cv::Mat& depth, const Intrinsics& from, const Intrinsics& to,
                       const Pose& to_from_from, Registration registration) {
-  if (registration == Registration::kNone) return depth;
+  if (registration == Registration::None) return depth;
   cv::Mat registered(to.height, to.width, CV_32FC1, cv::Scalar(0));
-  const double half = registration == Registration::kAreas ? 0.5 : 0;
+  const double half = registration == Registration::Areas ? 0.5 : 0;
   for (int v = 0; v < depth.rows; ++v)
     for (int u = 0; u < depth.cols; ++u) {
       const double z = depth.at<float>(v, u);

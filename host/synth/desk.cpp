@@ -13,7 +13,7 @@ namespace rosefusion {
 namespace {
 
 void buildScreen(const ShapeBuilder& s, Rng& rng) {
-  const auto dark = s.addMaterial({{60, 60, 66}, Pattern::kNoise, 0.03f});
+  const auto dark = s.addMaterial({{60, 60, 66}, Pattern::Noise, 0.03f});
   s.frustum(0.11, 0.11, 0.015, dark);
   s.box({0.05, 0.03, 0.22}, dark);
   s.at({0, 0.03, 0.12}).box({rng.uniform(0.4, 0.6), 0.035, rng.uniform(0.26, 0.34)}, dark);

@@ -123,7 +123,7 @@ void buildChair(const ShapeBuilder& s, std::uint16_t wood, std::uint16_t cloth, 
 }
 
 void buildDesk(const ShapeBuilder& s, const Furniture& f, Rng& rng) {
-  const auto wood = woodMaterial(s, rng), dark = s.addMaterial({{45, 45, 50}, Pattern::kNoise, 0.02f});
+  const auto wood = woodMaterial(s, rng), dark = s.addMaterial({{45, 45, 50}, Pattern::Noise, 0.02f});
   s.box({-f.width / 2, 0, f.height - 0.03}, {f.width / 2, f.depth, f.height}, wood);
   fourLegs(s.at({0, f.depth / 2, 0}), f.width, f.depth, f.height - 0.03, 0.05, wood, false);
   s.box({f.width / 2 - 0.45, 0.05, 0.08}, {f.width / 2 - 0.06, f.depth - 0.05, f.height - 0.08}, wood);
@@ -161,7 +161,7 @@ void buildTableWithChairs(const ShapeBuilder& s, const Furniture& f, Rng& rng) {
 }
 
 void buildFloorLamp(const ShapeBuilder& s, const Furniture& f, Rng& rng) {
-  const auto metal = s.addMaterial({{90, 90, 95}, Pattern::kNoise, 0.03f}), shade = clothMaterial(s, rng);
+  const auto metal = s.addMaterial({{90, 90, 95}, Pattern::Noise, 0.03f}), shade = clothMaterial(s, rng);
   const ShapeBuilder c = s.at({0, f.depth / 2, 0});
   c.frustum(0.15, 0.13, 0.03, metal);
   c.frustum(0.016, 0.016, f.height - 0.2, metal);
@@ -169,7 +169,7 @@ void buildFloorLamp(const ShapeBuilder& s, const Furniture& f, Rng& rng) {
 }
 
 void buildPlant(const ShapeBuilder& s, const Furniture& f, Rng& rng) {
-  const auto pot = brightMaterial(s, rng), leaf = s.addMaterial({{60, 125, 55}, Pattern::kNoise, 0.04f});
+  const auto pot = brightMaterial(s, rng), leaf = s.addMaterial({{60, 125, 55}, Pattern::Noise, 0.04f});
   const ShapeBuilder c = s.at({0, f.depth / 2, 0});
   c.frustum(0.13, 0.19, 0.34, pot);
   c.at({0, 0, 0.34}).frustum(0.02, 0.015, f.height * 0.5, leaf);

@@ -142,17 +142,17 @@ Trajectory linearMotion(const FreeSpace& space, const SynthOptions& options, Rng
 
 Trajectory makeTrajectory(const Tracer& tracer, const SynthOptions& options, const std::string& source) {
   Rng rng(options.seed, 2);
-  if (options.motion == Motion::kAround) return aroundMotion(tracer, options, rng);
+  if (options.motion == Motion::Around) return aroundMotion(tracer, options, rng);
   const FreeSpace space(tracer, options.threads, source);
   switch (options.motion) {
-    case Motion::kLinear:
+    case Motion::Linear:
       return linearMotion(space, options, rng);
-    case Motion::kRotation:
+    case Motion::Rotation:
       return rotationMotion(space, options, rng);
-    case Motion::kReplay:
+    case Motion::Replay:
       return replayMotion(space, options, rng);
-    case Motion::kAround:
-    case Motion::kSixDof:
+    case Motion::Around:
+    case Motion::SixDof:
       break;
   }
   return sixDofMotion(space, options, rng);

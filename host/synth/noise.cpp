@@ -23,8 +23,7 @@ double sampleDepth(const cv::Mat& depth, double u, double v) {
 }
 
 double wholeDisparity(double disparity, DisparityRounding rounding) {
-  return rounding == DisparityRounding::kPublished ? std::floor(disparity + 0.5)
-                                                   : std::round(disparity + 0.5);
+  return rounding == DisparityRounding::Published ? std::floor(disparity + 0.5) : std::round(disparity + 0.5);
 }
 
 }  // namespace

@@ -8,8 +8,8 @@ namespace rosefusion {
 
 /// What makes a whole number of the noisy disparity d + n.
 enum class DisparityRounding {
-  kPublished,  ///< floor(d + n + 0.5): to the nearest, without bias
-  kSimkinect,  ///< round(d + n + 0.5): half a step too large
+  Published,  ///< floor(d + n + 0.5): to the nearest, without bias
+  Simkinect,  ///< round(d + n + 0.5): half a step too large
 };
 
 /// Noise of Handa, Whelan, McDonald, Davison: A benchmark for RGB-D visual odometry, 3D reconstruction and
@@ -20,10 +20,10 @@ enum class DisparityRounding {
 ///   2. d = 35130 / z_cm;  d' = floor(d + n + 0.5), n from N(0, 1/6);  z' = 35130 / d' cm.
 /// Its standard deviation is z^2 / 351.3 m * sqrt(1/36 + 1/12): 0.95 mm at 1 m, 3.8 mm at 2 m, 15 mm at 4 m.
 /// The program `simkinect` (A. Handa) rounds to the nearest after adding the 0.5, so that the mean disparity
-/// is d + 0.5 and depth reads z^2 / 702.6 m too near: 1.4, 5.7, 23 mm. kSimkinect is for comparisons with
+/// is d + 0.5 and depth reads z^2 / 702.6 m too near: 1.4, 5.7, 23 mm. Simkinect is for comparisons with
 /// data made by it; what else it does (depth in whole centimetres, holes from the dot pattern) is left out.
 cv::Mat addHandaNoise(const cv::Mat& depth, Rng& rng,
-                      DisparityRounding rounding = DisparityRounding::kPublished);
+                      DisparityRounding rounding = DisparityRounding::Published);
 
 inline constexpr double kColourSigma = 2;  ///< of 255
 

@@ -10,8 +10,7 @@ namespace rosefusion {
 void buildShell(const ShapeBuilder& shapes, const Eigen::Vector3d& size, Rng& rng) {
   const auto plaster = [&](double light) {
     const auto byte = static_cast<std::uint8_t>(light);
-    return shapes.addMaterial(
-        {{byte, byte, static_cast<std::uint8_t>(0.95 * light)}, Pattern::kNoise, 0.12f});
+    return shapes.addMaterial({{byte, byte, static_cast<std::uint8_t>(0.95 * light)}, Pattern::Noise, 0.12f});
   };
   const auto floor = woodMaterial(shapes, rng), wall = plaster(rng.uniform(170, 230)), ceiling = plaster(235);
   const double w = size.x(), d = size.y(), h = size.z();

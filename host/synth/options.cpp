@@ -29,18 +29,18 @@ void requireOrdered(const SpeedRange& range, const char* what, const char* low, 
 
 const char* toString(DepthNoise noise) {
   switch (noise) {
-    case DepthNoise::kHanda:
+    case DepthNoise::Handa:
       return "handa";
-    case DepthNoise::kSimkinect:
+    case DepthNoise::Simkinect:
       return "simkinect";
-    case DepthNoise::kNone:
+    case DepthNoise::None:
       break;
   }
   return "none";
 }
 
 DepthNoise depthNoiseFrom(const std::string& word) {
-  for (const DepthNoise noise : {DepthNoise::kNone, DepthNoise::kHanda, DepthNoise::kSimkinect})
+  for (const DepthNoise noise : {DepthNoise::None, DepthNoise::Handa, DepthNoise::Simkinect})
     if (word == toString(noise)) return noise;
   throw InputError("--noise: there is no depth noise '" + word + "'; give handa, simkinect or none.");
 }
@@ -60,15 +60,15 @@ void requirePlausible(const SynthOptions& o) {
   requireWithin(o.max_depth, 0.5, 13, "--max-depth", " m (16-bit PNGs at 5000 a metre end at 13.1 m)");
   requireWithin(o.replay_speed, 0.05, 50, "--replay-speed", "");
   requirePlausible(o.intrinsics, "camera settings");
-  if ((o.motion == Motion::kAround) != (o.scene != SceneKind::kRoom) ||
-      (o.scene != SceneKind::kRoom && !o.mesh_file.empty()))
+  if ((o.motion == Motion::Around) != (o.scene != SceneKind::Room) ||
+      (o.scene != SceneKind::Room && !o.mesh_file.empty()))
     throw InputError(
         "--scene desk and object have their own surfaces and motion; leave out --mesh, --motion and "
         "--replay.");
-  if (o.cut_out && o.scene != SceneKind::kObject)
+  if (o.cut_out && o.scene != SceneKind::Object)
     throw InputError("--cut-out needs a thing to cut out; give --scene object.");
   requireWithin(o.turn_per_frame, 0, 1, "the turn of a frame", " rad");
-  if (o.motion == Motion::kReplay && o.replay_file.empty())
+  if (o.motion == Motion::Replay && o.replay_file.empty())
     throw InputError("--motion replay needs a recorded trajectory; name it with --replay FILE.");
 }
 

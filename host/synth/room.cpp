@@ -82,10 +82,10 @@ class RoomMaker {
   void buildShell() {
     const auto plaster = [&](double r, double g, double b) {
       const auto byte = [](double v) { return static_cast<std::uint8_t>(v); };
-      return shapes_.addMaterial({{byte(r), byte(g), byte(b)}, Pattern::kNoise, 0.12f});
+      return shapes_.addMaterial({{byte(r), byte(g), byte(b)}, Pattern::Noise, 0.12f});
     };
     const auto floor = rng_.chance(0.5) ? woodMaterial(shapes_, rng_)
-                                        : shapes_.addMaterial({{170, 165, 155}, Pattern::kChecker, 0.3f});
+                                        : shapes_.addMaterial({{170, 165, 155}, Pattern::Checker, 0.3f});
     const auto ceiling = plaster(235, 235, 230);
     shapes_.quad({0, 0, 0}, {width_, 0, 0}, {0, depth_, 0}, floor);
     shapes_.quad({0, 0, height_}, {0, depth_, 0}, {width_, 0, 0}, ceiling);
@@ -116,8 +116,7 @@ class RoomMaker {
   void buildOpening(const ShapeBuilder& s, const Span& o, std::uint16_t trim) {
     const bool door = o.bottom <= 0;
     const double deep = door ? 0.1 : rng_.uniform(0.18, 0.32), w = o.high - o.low, h = o.top - o.bottom;
-    const auto panel =
-        door ? woodMaterial(s, rng_) : s.addMaterial({{150, 180, 200}, Pattern::kNoise, 0.25f});
+    const auto panel = door ? woodMaterial(s, rng_) : s.addMaterial({{150, 180, 200}, Pattern::Noise, 0.25f});
     s.quad({o.low, deep, o.bottom}, {w, 0, 0}, {0, 0, h}, panel);
     s.quad({o.low, 0, o.bottom}, {0, deep, 0}, {0, 0, h}, trim);       // left reveal, faces +x
     s.quad({o.high, deep, o.bottom}, {0, -deep, 0}, {0, 0, h}, trim);  // right reveal, faces -x

@@ -43,16 +43,16 @@ float patternValue(const Material& material, const Eigen::Vector3d& point) {
   const Eigen::Vector3d p = point / material.scale + Eigen::Vector3d(0.37, 0.41, 0.43);
   const auto odd = [](double v) { return std::lround(std::floor(v)) & 1; };
   switch (material.pattern) {
-    case Pattern::kPlain:
+    case Pattern::Plain:
       return 1;
-    case Pattern::kChecker:
+    case Pattern::Checker:
       return ((odd(p.x()) + odd(p.y()) + odd(p.z())) & 1 ? 0.7f : 1.0f) - 0.15f * valueNoise(p * 5);
-    case Pattern::kStripes:
+    case Pattern::Stripes:
       return (odd(p.x() + p.y() + p.z()) ? 0.65f : 1.0f) - 0.15f * valueNoise(p * 5);
-    case Pattern::kWood:
+    case Pattern::Wood:
       return 0.7f + 0.3f * valueNoise({p.x() * 0.15, p.y(), p.z()}) -
              0.15f * valueNoise({p.x() * 0.5, p.y() * 6, p.z() * 6});
-    case Pattern::kNoise:
+    case Pattern::Noise:
       break;
   }
   return 0.75f + 0.25f * valueNoise(p) - 0.15f * valueNoise(p * 4.1);
@@ -157,11 +157,11 @@ Scene loadScene(const std::filesystem::path& file, UpAxis up) {
   }
   requireSplittable(scene.mesh, file.string());
   splitLongEdges(scene.mesh, kLongestEdge);
-  scene.up = up == UpAxis::kY   ? Eigen::Vector3d(Eigen::Vector3d::UnitY())
-             : up == UpAxis::kZ ? Eigen::Vector3d(Eigen::Vector3d::UnitZ())
-                                : guessUp(scene.mesh);
+  scene.up = up == UpAxis::Y   ? Eigen::Vector3d(Eigen::Vector3d::UnitY())
+             : up == UpAxis::Z ? Eigen::Vector3d(Eigen::Vector3d::UnitZ())
+                               : guessUp(scene.mesh);
   if (scene.mesh.colours.empty()) {
-    scene.materials = {{{190, 180, 165}, Pattern::kNoise, 0.15f}};
+    scene.materials = {{{190, 180, 165}, Pattern::Noise, 0.15f}};
     scene.face_material.assign(scene.mesh.triangles.size(), 0);
     paintVertices(scene);
   }

@@ -10,11 +10,11 @@
 
 namespace rosefusion {
 
-enum class Pattern { kPlain, kChecker, kStripes, kNoise, kWood };
+enum class Pattern { Plain, Checker, Stripes, Noise, Wood };
 
 struct Material {
   std::array<std::uint8_t, 3> rgb{180, 180, 180};
-  Pattern pattern = Pattern::kNoise;
+  Pattern pattern = Pattern::Noise;
   float scale = 0.1f;  ///< size of one pattern cell, metres
 };
 
@@ -36,7 +36,7 @@ struct Scene {
   Subject subject;                                ///< of makeDesk and makeObject
 };
 
-enum class UpAxis { kGuess, kY, kZ };
+enum class UpAxis { Guess, Y, Z };
 
 /// Surface colour (RGB, 0 to 1) of `material` at a world point, before shading. Procedural, the same at every
 /// call.

@@ -12,7 +12,7 @@ constexpr Intrinsics centred(int width, int height, double focal) {
 }
 
 Sensor kinect2() {
-  Sensor s{"kinect2", DepthPrinciple::kTimeOfFlight, centred(512, 424, 365.5), 0.5, 8, 30};
+  Sensor s{"kinect2", DepthPrinciple::TimeOfFlight, centred(512, 424, 365.5), 0.5, 8, 30};
   s.exposure = 0.02;
   s.modulation_hz = 80e6;
   s.signal = 90000;  // depths err as Fankhauser et al. 2015 measured: 1.3, 1.7 and 4.3 mm at 1, 2 and 4 m
@@ -23,27 +23,27 @@ Sensor kinect2() {
 
 /// The narrow field of view, unbinned.
 Sensor azure() {
-  Sensor s{"azure", DepthPrinciple::kTimeOfFlight, centred(640, 576, 504), 0.5, 3.86, 30};
+  Sensor s{"azure", DepthPrinciple::TimeOfFlight, centred(640, 576, 504), 0.5, 3.86, 30};
   s.exposure = 0.0128;
   s.modulation_hz = 200e6;
   s.signal = 20000;  // 1.0, 2.1 and 4.3 mm at 1, 2 and 3.5 m, within its maker's 17 mm
-  s.field = FieldOfView::kHexagon;
+  s.field = FieldOfView::Hexagon;
   s.colour = centred(1280, 720, 606);
   s.colour_at_x = -0.032;
   return s;
 }
 
 Sensor d400() {
-  Sensor s{"d400", DepthPrinciple::kStereo, centred(640, 480, 385), 0.16, 10, 30};
+  Sensor s{"d400", DepthPrinciple::Stereo, centred(640, 480, 385), 0.16, 10, 30};
   s.baseline = 0.05;
-  s.registration = Registration::kAreas;
+  s.registration = Registration::Areas;
   s.colour = centred(640, 480, 615);
   s.colour_at_x = -0.015;
   return s;
 }
 
 Sensor l515() {
-  Sensor s{"l515", DepthPrinciple::kTimeOfFlight, centred(640, 480, 460), 0.25, 9, 30};
+  Sensor s{"l515", DepthPrinciple::TimeOfFlight, centred(640, 480, 460), 0.25, 9, 30};
   s.exposure = 0.03;
   s.row_by_row = true;
   s.modulation_hz = 100e6;
@@ -54,16 +54,16 @@ Sensor l515() {
 }
 
 Sensor f200() {
-  Sensor s{"f200", DepthPrinciple::kStructuredLight, centred(640, 480, 475), 0.13, 1.9, 30};
+  Sensor s{"f200", DepthPrinciple::StructuredLight, centred(640, 480, 475), 0.13, 1.9, 30};
   s.baseline = 0.047;
-  s.registration = Registration::kPoints;
+  s.registration = Registration::Points;
   s.colour = centred(640, 480, 615.2);
   s.colour_at_x = 0.0257;
   return s;
 }
 
 Sensor iphone() {
-  Sensor s{"iphone", DepthPrinciple::kPhoneLidar, centred(256, 192, 212), 0.15, 5, 60};
+  Sensor s{"iphone", DepthPrinciple::PhoneLidar, centred(256, 192, 212), 0.15, 5, 60};
   return s;
 }
 
@@ -71,7 +71,7 @@ Sensor iphone() {
 
 Pose Sensor::outputFromDepth() const {
   Pose pose = Pose::Identity();
-  if (registration != Registration::kNone) pose.translation().x() = -colour_at_x;
+  if (registration != Registration::None) pose.translation().x() = -colour_at_x;
   return pose;
 }
 
@@ -91,18 +91,18 @@ const Sensor& sensorNamed(const std::string& name) {
 
 const char* toString(Registration registration) {
   switch (registration) {
-    case Registration::kPoints:
+    case Registration::Points:
       return "points";
-    case Registration::kAreas:
+    case Registration::Areas:
       return "areas";
-    case Registration::kNone:
+    case Registration::None:
       break;
   }
   return "none";
 }
 
 Registration registrationFrom(const std::string& word) {
-  for (const Registration r : {Registration::kNone, Registration::kPoints, Registration::kAreas})
+  for (const Registration r : {Registration::None, Registration::Points, Registration::Areas})
     if (word == toString(r)) return r;
   throw InputError("--registered: there is no '" + word + "'; give points, areas or none.");
 }

@@ -14,11 +14,11 @@ namespace {
 Scene makeScene(const SynthOptions& options) {
   if (!options.mesh_file.empty()) return loadScene(options.mesh_file, options.up);
   switch (options.scene) {
-    case SceneKind::kDesk:
+    case SceneKind::Desk:
       return makeDesk(options.seed);
-    case SceneKind::kObject:
+    case SceneKind::Object:
       return makeObject(options.seed);
-    case SceneKind::kRoom:
+    case SceneKind::Room:
       break;
   }
   return makeRoom(options.seed);
@@ -36,10 +36,10 @@ void cutOut(cv::Mat& depth, const Tracer& tracer, const Intrinsics& k, const Pos
 }  // namespace
 
 SynthPlan::SynthPlan(const SynthOptions& options) : options_(options) {
-  if (options_.sensor.principle != DepthPrinciple::kNoise) {
+  if (options_.sensor.principle != DepthPrinciple::Noise) {
     options_.intrinsics = options_.sensor.output();
     options_.max_depth = options_.sensor.farthest;
-    options_.noise = DepthNoise::kNone;
+    options_.noise = DepthNoise::None;
   }
   requirePlausible(options_);
   const std::string source = options_.mesh_file.empty() ? "procedural room" : options_.mesh_file.string();
@@ -63,7 +63,7 @@ Pose SynthPlan::poseAt(std::size_t i, double seconds) const {
 cv::Mat SynthPlan::measuredDepth(std::size_t i, Rng& rng, std::vector<std::uint8_t>* seen) const {
   const Pose& pose = truth_[i].world_from_camera;
   const Sensor& sensor = options_.sensor;
-  if (sensor.principle != DepthPrinciple::kNoise) {
+  if (sensor.principle != DepthPrinciple::Noise) {
     if (seen) renderDepth(*tracer_, options_.intrinsics, pose, options_.max_depth, seen);
     const Pose output_from_depth = sensor.outputFromDepth();
     return simulateDepth(
@@ -71,10 +71,10 @@ cv::Mat SynthPlan::measuredDepth(std::size_t i, Rng& rng, std::vector<std::uint8
         rng);
   }
   const cv::Mat depth = renderDepth(*tracer_, options_.intrinsics, pose, options_.max_depth, seen);
-  if (options_.noise == DepthNoise::kNone) return depth;
-  return addHandaNoise(depth, rng,
-                       options_.noise == DepthNoise::kSimkinect ? DisparityRounding::kSimkinect
-                                                                : DisparityRounding::kPublished);
+  if (options_.noise == DepthNoise::None) return depth;
+  return addHandaNoise(
+      depth, rng,
+      options_.noise == DepthNoise::Simkinect ? DisparityRounding::Simkinect : DisparityRounding::Published);
 }
 
 Frame SynthPlan::renderFrame(std::size_t i, std::vector<std::uint8_t>* seen) const {
@@ -85,7 +85,7 @@ Frame SynthPlan::renderFrame(std::size_t i, std::vector<std::uint8_t>* seen) con
   if (options_.cut_out) cutOut(frame.depth, *tracer_, options_.intrinsics, truth_[i].world_from_camera);
   if (!options_.colour) return frame;
   frame.colour = renderColour(*tracer_, options_.intrinsics, truth_[i].world_from_camera);
-  if (options_.noise != DepthNoise::kNone || options_.sensor.principle != DepthPrinciple::kNoise)
+  if (options_.noise != DepthNoise::None || options_.sensor.principle != DepthPrinciple::Noise)
     addColourNoise(frame.colour, rng);  // after the depth's, which it does not change
   return frame;
 }

@@ -19,19 +19,19 @@ std::array<std::uint8_t, 3> tint(double r, double g, double b, double spread, Rn
 }  // namespace
 
 std::uint16_t woodMaterial(const ShapeBuilder& shapes, Rng& rng) {
-  return shapes.addMaterial({tint(165, rng.uniform(105, 130), rng.uniform(60, 90), 0.3, rng), Pattern::kWood,
+  return shapes.addMaterial({tint(165, rng.uniform(105, 130), rng.uniform(60, 90), 0.3, rng), Pattern::Wood,
                              static_cast<float>(rng.uniform(0.03, 0.07))});
 }
 
 std::uint16_t clothMaterial(const ShapeBuilder& shapes, Rng& rng) {
-  const Pattern patterns[] = {Pattern::kNoise, Pattern::kStripes, Pattern::kChecker};
+  const Pattern patterns[] = {Pattern::Noise, Pattern::Stripes, Pattern::Checker};
   return shapes.addMaterial({tint(rng.uniform(70, 200), rng.uniform(70, 200), rng.uniform(70, 200), 0.2, rng),
                              patterns[rng.below(3)], static_cast<float>(rng.uniform(0.04, 0.1))});
 }
 
 std::uint16_t brightMaterial(const ShapeBuilder& shapes, Rng& rng) {
   return shapes.addMaterial({tint(rng.uniform(30, 240), rng.uniform(30, 240), rng.uniform(30, 240), 0.1, rng),
-                             Pattern::kNoise, static_cast<float>(rng.uniform(0.02, 0.05))});
+                             Pattern::Noise, static_cast<float>(rng.uniform(0.02, 0.05))});
 }
 
 void addBooks(const ShapeBuilder& shapes, double length, double depth, double height, Rng& rng) {

@@ -108,11 +108,11 @@ class Exposure {
 bool isWithin(FieldOfView field, const Intrinsics& k, int u, int v) {
   const double x = std::abs(u - k.cx) / (k.width / 2.0), y = std::abs(v - k.cy) / (k.height / 2.0);
   switch (field) {
-    case FieldOfView::kHexagon:
+    case FieldOfView::Hexagon:
       return x + 0.5 * y <= 1.13;
-    case FieldOfView::kCircle:
+    case FieldOfView::Circle:
       return x * x + y * y <= 1;
-    case FieldOfView::kWhole:
+    case FieldOfView::Whole:
       break;
   }
   return true;

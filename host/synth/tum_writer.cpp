@@ -35,15 +35,15 @@ void writeIndex(const fs::path& folder, const std::string& kind, const Trajector
 
 const char* nameOf(Motion motion) {
   switch (motion) {
-    case Motion::kLinear:
+    case Motion::Linear:
       return "linear";
-    case Motion::kRotation:
+    case Motion::Rotation:
       return "rotation";
-    case Motion::kReplay:
+    case Motion::Replay:
       return "replay";
-    case Motion::kAround:
+    case Motion::Around:
       return "around";
-    case Motion::kSixDof:
+    case Motion::SixDof:
       break;
   }
   return "6d";
@@ -60,15 +60,15 @@ std::string synthReport(const SynthPlan& plan) {
   const MotionStatistics s = plan.statistics();
   nlohmann::ordered_json json;
   json["seed"] = o.seed;
-  json["scene"] = !o.mesh_file.empty()            ? o.mesh_file.string()
-                  : o.scene == SceneKind::kDesk   ? "procedural desk"
-                  : o.scene == SceneKind::kObject ? "procedural object"
-                                                  : "procedural room";
+  json["scene"] = !o.mesh_file.empty()           ? o.mesh_file.string()
+                  : o.scene == SceneKind::Desk   ? "procedural desk"
+                  : o.scene == SceneKind::Object ? "procedural object"
+                                                 : "procedural room";
   if (o.cut_out) json["cut_out"] = true;
   if (const Eigen::Vector3d& origin = plan.scene().origin; !origin.isZero())
     json["origin_m"] = {origin.x(), origin.y(), origin.z()};
   json["motion"] = nameOf(o.motion);
-  if (o.motion == Motion::kReplay) {
+  if (o.motion == Motion::Replay) {
     json["replay"] = o.replay_file.string();
     json["replay_speed"] = o.replay_speed;
   } else {
@@ -82,18 +82,18 @@ std::string synthReport(const SynthPlan& plan) {
                     {"fy", o.intrinsics.fy},       {"cx", o.intrinsics.cx},         {"cy", o.intrinsics.cy}};
   json["depth_units_per_metre"] = kSynthDepthUnitsPerMetre;
   json["max_depth_m"] = o.max_depth;
-  if (const Sensor& sensor = o.sensor; sensor.principle != DepthPrinciple::kNoise) {
+  if (const Sensor& sensor = o.sensor; sensor.principle != DepthPrinciple::Noise) {
     json["sensor"] = sensor.name;
     json["registered"] = toString(sensor.registration);
   } else {
     json["noise"] = toString(o.noise);
   }
   // Earlier sequences called "handa" what "simkinect" is now.
-  if (o.noise != DepthNoise::kNone)
-    json["disparity"] = o.noise == DepthNoise::kHanda ? "floor(d + n + 0.5)" : "round(d + n + 0.5)";
+  if (o.noise != DepthNoise::None)
+    json["disparity"] = o.noise == DepthNoise::Handa ? "floor(d + n + 0.5)" : "round(d + n + 0.5)";
   json["colour"] = o.colour;
   // Earlier sequences had colours without noise.
-  if (o.colour && (o.noise != DepthNoise::kNone || o.sensor.principle != DepthPrinciple::kNoise))
+  if (o.colour && (o.noise != DepthNoise::None || o.sensor.principle != DepthPrinciple::Noise))
     json["colour_sigma"] = kColourSigma;
   json["up"] = {plan.scene().up.x(), plan.scene().up.y(), plan.scene().up.z()};
   json["true_motion"] = {{"linear_mean_mps", s.linear_mean},

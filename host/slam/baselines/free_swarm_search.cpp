@@ -8,7 +8,7 @@ namespace rosefusion {
 namespace {
 
 std::size_t firstLevel(const Settings& settings) {
-  if (settings.tracking.method == TrackingMethod::kPfo) return 0;
+  if (settings.tracking.method == TrackingMethod::Pfo) return 0;
   const auto& levels = settings.swarm.levels;
   const auto fewer = [](const SwarmLevel& a, const SwarmLevel& b) { return a.particles < b.particles; };
   return static_cast<std::size_t>(std::max_element(levels.begin(), levels.end(), fewer) - levels.begin());
@@ -50,7 +50,7 @@ TrackResult FreeSwarmSearch::search(const DeviceFrame& frame, const Volume& volu
     result.lookups += particles.size() * std::uint64_t(evaluator_.select.selected());
     const std::function<Pose(std::size_t)> pose = [&](std::size_t i) { return moveBy(start, particles[i]); };
     if (observer) observer({swarm.state, evaluator_.losses(), pose});
-    if (settings_.tracking.method == TrackingMethod::kPfo)
+    if (settings_.tracking.method == TrackingMethod::Pfo)
       updatePfo(s, settings_.pfo, swarm, evaluator_.losses(), evaluator_.counted(), random_);
     else
       updatePso(s, settings_.pso, swarm, evaluator_.losses(), evaluator_.counted(), random_);

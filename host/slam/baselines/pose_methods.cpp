@@ -77,16 +77,16 @@ std::unique_ptr<PoseMethod> makePoseMethod(Device& device, const Settings& setti
                                            const Intrinsics& intrinsics, SwarmSearch& search,
                                            PoseRefiner& refiner) {
   switch (settings.tracking.method) {
-    case TrackingMethod::kDefault:
+    case TrackingMethod::Default:
       return std::make_unique<Tracker>(settings.refine, search, refiner);
-    case TrackingMethod::kPst:
+    case TrackingMethod::Pst:
       return std::make_unique<PstMethod>(search);
-    case TrackingMethod::kPfo:
-    case TrackingMethod::kPso:
+    case TrackingMethod::Pfo:
+    case TrackingMethod::Pso:
       return std::make_unique<FreeSwarmMethod>(device, settings, intrinsics, search.templates());
-    case TrackingMethod::kGaussNewton:
+    case TrackingMethod::GaussNewton:
       return std::make_unique<GaussNewtonMethod>(refiner, settings.refine);
-    case TrackingMethod::kIcp:
+    case TrackingMethod::Icp:
       return std::make_unique<IcpMethod>(device, settings, intrinsics);
   }
   return nullptr;

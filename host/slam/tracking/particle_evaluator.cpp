@@ -8,8 +8,7 @@ ParticleEvaluator::ParticleEvaluator(Device& device, const Settings& settings, c
                                      std::span<const glm::vec4> templates)
     : recorder(device),
       select(device, toShader(intrinsics)),
-      fitness(device, templates,
-              settings.swarm.loss == FitnessLoss::kSquared ? Loss::Squared : Loss::Absolute,
+      fitness(device, templates, settings.swarm.loss == FitnessLoss::Squared ? Loss::Squared : Loss::Absolute,
               settings.tracking.compensate),
       settings_(settings.tracking),
       camera_(toShader(intrinsics)) {}
@@ -18,9 +17,10 @@ void ParticleEvaluator::evaluate(const DeviceFrame& frame, const Volume& volume,
                                  const Pose& centre, const Pose& last, const SwarmPlacement& swarm) {
   const glm::mat4 previous_from_current = toShader(last.inverse() * centre);
   select.record(recorder, frame, grid,
-                settings_.overlap == Overlap::kBestPose ? &previous_from_current : nullptr);
+                settings_.overlap == Overlap::BestPose ? &previous_from_current : nullptr);
   const LastView view{toShader(last.inverse()), camera_};
-  fitness.record(recorder, volume, select, swarm, settings_.overlap == Overlap::kParticle ? &view : nullptr);
+  fitness.record(recorder, volume, select, swarm,
+                 settings_.overlap == Overlap::EachParticle ? &view : nullptr);
   recorder.submit();
   if (settings_.normalise) return;
   sums_.assign(fitness.losses().begin(), fitness.losses().end());

@@ -45,7 +45,7 @@ SwarmSearch::SwarmSearch(Device& device, const Settings& settings, const Intrins
 
 void SwarmSearch::prepare(const VolumeView& volume) {
   evaluator_.fitness.prepare(volume, false, false);
-  evaluator_.fitness.prepare(volume, settings_.tracking.overlap == Overlap::kParticle,
+  evaluator_.fitness.prepare(volume, settings_.tracking.overlap == Overlap::EachParticle,
                              settings_.tracking.race_margin > 0);
 }
 
@@ -122,7 +122,7 @@ PoseScore SwarmSearch::recordedScore() const {
   score.valid_share = valid / evaluator_.select.cells();
   if (valid > 0) score.overlap = evaluator_.select.selected() / valid;
   const double loss = evaluator_.fitness.losses()[0];
-  if (loss >= 0) score.residual = settings_.swarm.loss == FitnessLoss::kSquared ? std::sqrt(loss) : loss;
+  if (loss >= 0) score.residual = settings_.swarm.loss == FitnessLoss::Squared ? std::sqrt(loss) : loss;
   return score;
 }
 

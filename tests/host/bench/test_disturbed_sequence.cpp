@@ -34,7 +34,7 @@ class BeforeAWall : public Sequence {
 
 double returnsAt(const std::function<bool(std::size_t)>& isBack) {
   BeforeAWall whole(isBack);
-  return DisturbedSequence(whole, Disturbance::kBlack).viewReturns() / 0.1;
+  return DisturbedSequence(whole, Disturbance::Black).viewReturns() / 0.1;
 }
 
 TEST(DisturbedSequence, TheViewReturnsWhereItStays) {

@@ -18,7 +18,7 @@ class SensorSuite : public ValidatingDevice {
     options_.settings = quickSettings();
     options_.settings.volume.colour = false;
     options_.settings.volume.voxel_size = options_.settings.volume.truncation = 0;
-    options_.settings.depth.sensor = DepthSensor::kAuto;
+    options_.settings.depth.sensor = DepthSensor::Auto;
     options_.sensors = {"iphone"};
     options_.scenes = {"object"};
     options_.max_speed = 0.5;
@@ -33,7 +33,7 @@ TEST_F(SensorSuite, TracksWithWhatIsChosenForEachSequence) {
   const SensorRow& row = report.rows.front();
   EXPECT_EQ(row.tracked.name, "iphone_object_0.5");
   EXPECT_EQ(row.tracked.frames, 6u);
-  EXPECT_EQ(row.taken.depth.sensor, DepthSensor::kIphone);
+  EXPECT_EQ(row.taken.depth.sensor, DepthSensor::Iphone);
   EXPECT_GT(row.taken.volume.voxel_size, 0);
   EXPECT_LT(row.taken.volume.voxel_size, 0.02) << "an object is small";
   EXPECT_GT(row.median_depth, 0.3);

@@ -144,7 +144,7 @@ TEST_F(TrackingSuite, DisturbedFlightsAreJudgedByHowTheyComeBack) {
   options_.synth.linear = options_.synth.linear.endingAt(0.8);  // the view stays
   options_.synth.angular = options_.synth.angular.endingAt(0.5);
   options_.rooms = 1;
-  options_.disturbances = {Disturbance::kCut, Disturbance::kBlack, Disturbance::kHand};
+  options_.disturbances = {Disturbance::Cut, Disturbance::Black, Disturbance::Hand};
   options_.settings = loadSettings("default");
   options_.settings.volume.colour = false;
   const TrackingReport report = trackSuite(device(), options_);

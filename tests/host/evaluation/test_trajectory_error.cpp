@@ -205,7 +205,7 @@ TEST(TrajectoryError, StampsMayBeFrameNumbers) {
 
   // Interpolated across a missing true pose: 0.08 s, two units of the stamps.
   truth.erase(truth.begin() + 10);
-  options.association = Association::kInterpolated;
+  options.association = Association::Interpolated;
   options.max_difference_s = 0.05;
   EXPECT_EQ(measureTrajectory(estimate, truth, options).common_poses, 89u);
 }
@@ -279,7 +279,7 @@ TEST(TrajectoryError, InterpolatedTruthLeavesNoErrorOfTiming) {
   estimate.pop_back();
   TrajectoryErrorOptions options;
   EXPECT_GT(measureTrajectory(estimate, truth, options).ate_m.rmse, 0.03);
-  options.association = Association::kInterpolated;
+  options.association = Association::Interpolated;
   const TrajectoryErrors e = measureTrajectory(estimate, truth, options);
   EXPECT_EQ(e.common_poses, 49u);
   EXPECT_LT(e.ate_m.max, 1e-9);

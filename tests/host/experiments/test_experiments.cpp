@@ -132,13 +132,13 @@ TEST_F(Experiments, RecordedSequencesAreNamedByTheirFolder) {
 
 TEST(Summary, CountsTheVerdicts) {
   ExperimentResult result;
-  result.verdicts = {{"", "", Agreement::kAgrees}, {"", "", Agreement::kAgrees}};
+  result.verdicts = {{"", "", Agreement::Agrees}, {"", "", Agreement::Agrees}};
   EXPECT_EQ(summaryOf(result), "agrees (2 of 2 points)");
-  result.verdicts[0].agreement = Agreement::kDiffers;
+  result.verdicts[0].agreement = Agreement::Differs;
   EXPECT_EQ(summaryOf(result), "agrees in part (1 of 2 points)");
-  result.verdicts[1].agreement = Agreement::kDiffers;
+  result.verdicts[1].agreement = Agreement::Differs;
   EXPECT_EQ(summaryOf(result), "differs (0 of 2 points)");
-  result.verdicts[1].agreement = Agreement::kOpen;
+  result.verdicts[1].agreement = Agreement::Open;
   EXPECT_EQ(summaryOf(result), "agrees in part (0 of 2 points, 1 open)");
 }
 

@@ -18,21 +18,21 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(Verdict, LeastAndMostCompareWithEachAndAllowTheSlack) {
-  EXPECT_EQ(leastOf("", "", {"a", 1}, {{"b", 2}, {"c", 1}}).agreement, Agreement::kAgrees);
-  EXPECT_EQ(leastOf("", "", {"a", 1}, {{"b", 2}, {"c", 0.99}}).agreement, Agreement::kDiffers);
-  EXPECT_EQ(leastOf("", "", {"a", 1}, {{"b", 0.99}}, 0.02).agreement, Agreement::kAgrees);
-  EXPECT_EQ(mostOf("", "", {"a", 1}, {{"b", 0.5}, {"c", 1}}).agreement, Agreement::kAgrees);
-  EXPECT_EQ(mostOf("", "", {"a", 1}, {{"b", 1.01}}).agreement, Agreement::kDiffers);
-  EXPECT_EQ(mostOf("", "", {"a", 1}, {{"b", 1.01}}, 0.02).agreement, Agreement::kAgrees);
-  EXPECT_EQ(within("", "", {"a", 1}, 1).agreement, Agreement::kAgrees);
-  EXPECT_EQ(within("", "", {"a", 1.1}, 1).agreement, Agreement::kDiffers);
+  EXPECT_EQ(leastOf("", "", {"a", 1}, {{"b", 2}, {"c", 1}}).agreement, Agreement::Agrees);
+  EXPECT_EQ(leastOf("", "", {"a", 1}, {{"b", 2}, {"c", 0.99}}).agreement, Agreement::Differs);
+  EXPECT_EQ(leastOf("", "", {"a", 1}, {{"b", 0.99}}, 0.02).agreement, Agreement::Agrees);
+  EXPECT_EQ(mostOf("", "", {"a", 1}, {{"b", 0.5}, {"c", 1}}).agreement, Agreement::Agrees);
+  EXPECT_EQ(mostOf("", "", {"a", 1}, {{"b", 1.01}}).agreement, Agreement::Differs);
+  EXPECT_EQ(mostOf("", "", {"a", 1}, {{"b", 1.01}}, 0.02).agreement, Agreement::Agrees);
+  EXPECT_EQ(within("", "", {"a", 1}, 1).agreement, Agreement::Agrees);
+  EXPECT_EQ(within("", "", {"a", 1.1}, 1).agreement, Agreement::Differs);
 }
 
 TEST(Verdict, WithoutANumberItStaysOpen) {
-  EXPECT_EQ(leastOf("", "", {"a", kNan}, {{"b", 2}}).agreement, Agreement::kOpen);
-  EXPECT_EQ(leastOf("", "", {"a", 1}, {{"b", kNan}}).agreement, Agreement::kOpen);
-  EXPECT_EQ(leastOf("", "", {"a", 1}, {}).agreement, Agreement::kOpen);
-  EXPECT_EQ(within("", "", {"a", kNan}, 1).agreement, Agreement::kOpen);
+  EXPECT_EQ(leastOf("", "", {"a", kNan}, {{"b", 2}}).agreement, Agreement::Open);
+  EXPECT_EQ(leastOf("", "", {"a", 1}, {{"b", kNan}}).agreement, Agreement::Open);
+  EXPECT_EQ(leastOf("", "", {"a", 1}, {}).agreement, Agreement::Open);
+  EXPECT_EQ(within("", "", {"a", kNan}, 1).agreement, Agreement::Open);
 }
 
 TEST(Verdict, SaysTheNumbers) {

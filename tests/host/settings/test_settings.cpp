@@ -24,7 +24,7 @@ TEST(Settings, YamlOfAllFieldsReadsBackEqual) {
   EXPECT_EQ(toYaml(read), toYaml(changed));
   EXPECT_NE(toYaml(read), toYaml(Settings()));
   EXPECT_EQ(read.swarm.levels, (std::vector<SwarmLevel>{{64, 9}, {32, 4}}));
-  EXPECT_EQ(read.swarm.loss, FitnessLoss::kAbsolute);
+  EXPECT_EQ(read.swarm.loss, FitnessLoss::Absolute);
   EXPECT_DOUBLE_EQ(read.volume.voxel_size, 0.0125);
 }
 
@@ -63,11 +63,11 @@ TEST(Settings, RenamedKeysAreAcceptedAndTold) {
   std::vector<std::string> told;
   const Log log = [&](Severity, const std::string& sentence) { told.push_back(sentence); };
   applyAssignment(settings, "tracker.method=icp", log);
-  EXPECT_EQ(settings.tracking.method, TrackingMethod::kIcp);
+  EXPECT_EQ(settings.tracking.method, TrackingMethod::Icp);
   applyYamlText(settings, "tracker:\n  method: pfo\n", "old.yaml", log);
-  EXPECT_EQ(settings.tracking.method, TrackingMethod::kPfo);
+  EXPECT_EQ(settings.tracking.method, TrackingMethod::Pfo);
   applyAssignment(settings, "tracking.method=pso", log);
-  EXPECT_EQ(settings.tracking.method, TrackingMethod::kPso);
+  EXPECT_EQ(settings.tracking.method, TrackingMethod::Pso);
   const std::string sentence =
       ": 'tracker.method' is called 'tracking.method' now; the old name is still accepted.";
   EXPECT_THAT(told, ::testing::ElementsAre("--set" + sentence, "old.yaml" + sentence));

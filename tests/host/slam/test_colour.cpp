@@ -65,7 +65,7 @@ class ColourTracking : public ValidatingDevice {
   }
 };
 
-const Material kPlaster{{190, 180, 165}, Pattern::kNoise, 0.15f};  // what `synth --mesh` paints walls with
+const Material kPlaster{{190, 180, 165}, Pattern::Noise, 0.15f};  // what `synth --mesh` paints walls with
 
 TEST_F(ColourTracking, PastABareWallTheCameraIsHeldByWhatIsPaintedOnIt) {
   const Outcome with = fly(kPlaster, 1), without = fly(kPlaster, 0);
@@ -83,7 +83,7 @@ TEST_F(ColourTracking, AnExposureThatChangesDoesNotPull) {
 }
 
 TEST_F(ColourTracking, AWallWithoutAPatternLeavesThePoseOpenAndSaysSo) {
-  EXPECT_EQ(fly({{190, 180, 165}, Pattern::kPlain, 0.15f}, 1).tracked, 0);
+  EXPECT_EQ(fly({{190, 180, 165}, Pattern::Plain, 0.15f}, 1).tracked, 0);
 }
 
 TEST_F(ColourTracking, WithoutColourTheSettingChangesNothing) {

@@ -59,10 +59,10 @@ TEST(SceneSurvey, DepthsAndNoiseAreMeasured) {
 }
 
 TEST(SceneSurvey, TheSensorIsKnownByItsNoise) {
-  EXPECT_EQ(resolved(automatic(), survey(floorFrom(1, kinect))).depth.sensor, DepthSensor::kKinect1);
-  EXPECT_EQ(resolved(automatic(), survey(floorFrom(1, stereo))).depth.sensor, DepthSensor::kD400);
+  EXPECT_EQ(resolved(automatic(), survey(floorFrom(1, kinect))).depth.sensor, DepthSensor::Kinect1);
+  EXPECT_EQ(resolved(automatic(), survey(floorFrom(1, stereo))).depth.sensor, DepthSensor::D400);
   const Settings stereo_settings = resolved(automatic(), survey(floorFrom(1, stereo)));
-  EXPECT_EQ(stereo_settings.depth.noise_growth, sensorModel(DepthSensor::kD400)->noise_growth);
+  EXPECT_EQ(stereo_settings.depth.noise_growth, sensorModel(DepthSensor::D400)->noise_growth);
   EXPECT_EQ(stereo_settings.refine.model_noise, 2 * stereo_settings.depth.noise_floor);
 }
 
@@ -71,8 +71,8 @@ double nearArm(double z) {
 }
 
 TEST(SceneSurvey, ASensorThatReachesNoFartherIsNotTaken) {
-  EXPECT_EQ(resolved(automatic(), survey(floorFrom(0.25, nearArm))).depth.sensor, DepthSensor::kF200);
-  EXPECT_NE(resolved(automatic(), survey(floorFrom(1, nearArm))).depth.sensor, DepthSensor::kF200);
+  EXPECT_EQ(resolved(automatic(), survey(floorFrom(0.25, nearArm))).depth.sensor, DepthSensor::F200);
+  EXPECT_NE(resolved(automatic(), survey(floorFrom(1, nearArm))).depth.sensor, DepthSensor::F200);
 }
 
 TEST(SceneSurvey, NoiseOfNoSensorLeavesWhatIsSet) {
@@ -96,11 +96,11 @@ TEST(SceneSurvey, DepthFarNoisierThanTheSensorNamedIsTakenAsMeasured) {
   applyAssignment(asked, "depth.sensor=kinect2");
   const auto noisy = survey(floorFrom(1, stereo)), smooth = survey(floorFrom(1, nothing));
   const Settings taken = resolved(asked, noisy);
-  EXPECT_EQ(taken.depth.sensor, DepthSensor::kD400);
-  EXPECT_EQ(taken.depth.noise_growth, sensorModel(DepthSensor::kD400)->noise_growth);
+  EXPECT_EQ(taken.depth.sensor, DepthSensor::D400);
+  EXPECT_EQ(taken.depth.noise_growth, sensorModel(DepthSensor::D400)->noise_growth);
   EXPECT_THAT(choicesOf(asked, taken, noisy).back(),
               AllOf(HasSubstr("noisier than a kinect2's"), HasSubstr("taken as a d400's")));
-  EXPECT_EQ(resolved(asked, smooth).depth.sensor, DepthSensor::kKinect2) << "less noise does no harm";
+  EXPECT_EQ(resolved(asked, smooth).depth.sensor, DepthSensor::Kinect2) << "less noise does no harm";
 }
 
 TEST(SceneSurvey, VoxelsFollowTheSizeOfTheView) {
@@ -142,7 +142,7 @@ TEST(SceneSurvey, ASmallThingGetsTheFinestVoxelsOfAKinectToo) {
   depth.colRange(0, 270).setTo(0);
   depth.colRange(370, 640).setTo(0);
   const Settings taken = resolved(automatic(), survey(depth));
-  EXPECT_EQ(taken.depth.sensor, DepthSensor::kKinect1);
+  EXPECT_EQ(taken.depth.sensor, DepthSensor::Kinect1);
   EXPECT_EQ(taken.volume.voxel_size, 0.0025);
   EXPECT_EQ(taken.volume.truncation, 0.01);
 }
@@ -166,7 +166,7 @@ TEST(SceneSurvey, APhonesImagesHaveItsNoiseAndNoVoxelFinerThanAPixel) {
   const Intrinsics phone{256, 192, 212, 212, 127.5, 95.5};
   cv::Mat depth(phone.height, phone.width, CV_16UC1, cv::Scalar(0.6 * kUnits));
   const Settings taken = resolved(automatic(), survey(depth, phone));
-  EXPECT_EQ(taken.depth.sensor, DepthSensor::kIphone);
+  EXPECT_EQ(taken.depth.sensor, DepthSensor::Iphone);
   EXPECT_GE(taken.volume.voxel_size, 0.8 * 0.6 / phone.fx) << "the nearest step";
 }
 
@@ -177,7 +177,7 @@ TEST(SceneSurvey, WhatIsGivenStays) {
   const Settings taken = resolved(asked, survey(floorFrom(0.3, stereo)));
   EXPECT_EQ(taken.volume.voxel_size, 0.013);
   EXPECT_EQ(taken.depth.noise_floor, 0.0077) << "a noise set by hand outweighs 'auto'";
-  EXPECT_EQ(taken.depth.sensor, DepthSensor::kGiven);
+  EXPECT_EQ(taken.depth.sensor, DepthSensor::Given);
 }
 
 TEST(SceneSurvey, NothingInViewIsNoScene) {

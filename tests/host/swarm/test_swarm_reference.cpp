@@ -140,7 +140,7 @@ double deviation(const SwarmSettings& settings) {
                       std::abs(step.likelihood_before - expected.before),
                       std::abs(step.likelihood_after - expected.after)});
   }
-  return state.stop_reason == StopReason::kEmptySets ? worst : kInfinite;
+  return state.stop_reason == StopReason::EmptySets ? worst : kInfinite;
 }
 
 // The expected numbers have 15 digits and are of order one.
@@ -168,7 +168,7 @@ TEST_P(EverySetting, ChangesTheResultWhenPerturbed) {
 INSTANTIATE_TEST_SUITE_P(
     SwarmReference, EverySetting,
     testing::Values(
-        Perturbation{"loss", [](SwarmSettings& s) { s.loss = FitnessLoss::kAbsolute; }},
+        Perturbation{"loss", [](SwarmSettings& s) { s.loss = FitnessLoss::Absolute; }},
         Perturbation{"tau", [](SwarmSettings& s) { s.tau *= 1.001; }},
         Perturbation{"minimum_counted_share", [](SwarmSettings& s) { s.minimum_counted_share = 0.6; }},
         Perturbation{"max_advantage_particles", [](SwarmSettings& s) { s.max_advantage_particles = 1; }},

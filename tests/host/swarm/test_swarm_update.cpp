@@ -26,7 +26,7 @@ SwarmTemplate templateOf(std::vector<Particle> particles) {
 // A search in which fitness is 1 - loss, so that the numbers are round.
 SwarmSettings roundNumbers() {
   SwarmSettings settings;
-  settings.loss = FitnessLoss::kAbsolute;
+  settings.loss = FitnessLoss::Absolute;
   return settings;
 }
 
@@ -210,19 +210,19 @@ TEST(SwarmUpdate, StopsByThePapersCriteria) {
     return std::pair(state.stop_reason, state.iteration);
   };
   const std::vector<float> better = {0.5f, 0.4f}, worse = {0.5f, 0.6f};
-  EXPECT_EQ(run({worse, better, worse}), std::pair(StopReason::kNone, 3));  // not in a row
-  EXPECT_EQ(run({better, worse, worse}), std::pair(StopReason::kEmptySets, 3));
-  EXPECT_EQ(run(std::vector(25, better)), std::pair(StopReason::kMaxIterations, 20));
+  EXPECT_EQ(run({worse, better, worse}), std::pair(StopReason::None, 3));  // not in a row
+  EXPECT_EQ(run({better, worse, worse}), std::pair(StopReason::EmptySets, 3));
+  EXPECT_EQ(run(std::vector(25, better)), std::pair(StopReason::MaxIterations, 20));
   settings.minimum_move = 0.26;  // the first move is 0.25, the sphere's radius 0.5 times 0.5
-  EXPECT_EQ(run({better}), std::pair(StopReason::kSmallMove, 1));
+  EXPECT_EQ(run({better}), std::pair(StopReason::SmallMove, 1));
   settings.minimum_move = 0.24;
-  EXPECT_EQ(run({better}), std::pair(StopReason::kNone, 1));
+  EXPECT_EQ(run({better}), std::pair(StopReason::None, 1));
 }
 
 TEST(SwarmUpdate, AMoveBelowAMillionthInEveryDimensionEndsTheSearch) {
   const SwarmSettings settings = roundNumbers();
   for (const auto& [length, reason] :
-       {std::pair{0.9e-6f, StopReason::kSmallMove}, {1.1e-6f, StopReason::kNone}}) {
+       {std::pair{0.9e-6f, StopReason::SmallMove}, {1.1e-6f, StopReason::None}}) {
     SwarmState state = atIdentity(settings);
     state.axis_lengths = Vector6::Ones();
     EXPECT_EQ(update(settings, state, templateOf({{0, 0, 0, 0, 0, length}}), std::vector<float>{0.5f, 0.4f})

@@ -89,7 +89,7 @@ TEST(Motion, FasterThanThePaper) {
 
 TEST(Motion, LinearStaysOnOneLineAndDoesNotTurn) {
   SynthOptions options = smallOptions(2, 200);
-  options.motion = Motion::kLinear;
+  options.motion = Motion::Linear;
   const SynthPlan plan(options);
   const Trajectory& truth = plan.truth();
   Eigen::Vector3d far = truth[0].world_from_camera.translation();
@@ -116,7 +116,7 @@ TEST(Motion, LinearStaysOnOneLineAndDoesNotTurn) {
 
 TEST(Motion, RotationStaysOnTheSpot) {
   SynthOptions options = smallOptions(2, 200);
-  options.motion = Motion::kRotation;
+  options.motion = Motion::Rotation;
   const SynthPlan plan(options);
   for (const StampedPose& p : plan.truth())
     EXPECT_TRUE(p.world_from_camera.translation() == plan.truth()[0].world_from_camera.translation());
@@ -162,7 +162,7 @@ class Replay : public ::testing::Test {
 
 TEST_F(Replay, IsTheRecordingFasterAndLevel) {
   SynthOptions options = smallOptions(1, 40);
-  options.motion = Motion::kReplay;
+  options.motion = Motion::Replay;
   options.replay_file = file_;
   options.replay_speed = 3;
   const SynthPlan plan(options);
@@ -179,7 +179,7 @@ TEST_F(Replay, IsTheRecordingFasterAndLevel) {
 
 TEST_F(Replay, EndsWithTheRecordingAndSaysWhenItDoesNotFit) {
   SynthOptions options = smallOptions(1, 500);
-  options.motion = Motion::kReplay;
+  options.motion = Motion::Replay;
   options.replay_file = file_;
   options.replay_speed = 2;
   EXPECT_EQ(SynthPlan(options).truth().size(), 61u);
@@ -211,7 +211,7 @@ TEST(Options, AbsurdOnesAreRefusedByName) {
   EXPECT_THAT(complaint([](auto& o) { o.fps = 0; }), HasSubstr("--fps"));
   EXPECT_THAT(complaint([](auto& o) { o.max_depth = 50; }), HasSubstr("--max-depth"));
   EXPECT_THAT(complaint([](auto& o) { o.intrinsics.fx = 0; }), HasSubstr("intrinsics"));
-  EXPECT_THAT(complaint([](auto& o) { o.motion = Motion::kReplay; }), HasSubstr("--replay"));
+  EXPECT_THAT(complaint([](auto& o) { o.motion = Motion::Replay; }), HasSubstr("--replay"));
   EXPECT_THAT(complaint([](auto& o) { o.mesh_file = "/nowhere/room.ply"; }), HasSubstr("/nowhere/room.ply"));
 }
 

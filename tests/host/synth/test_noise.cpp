@@ -16,7 +16,7 @@ struct Moments {
 
 /// How far the mean of the whole disparities lies above the true one.
 double biasOf(DisparityRounding rounding) {
-  return rounding == DisparityRounding::kSimkinect ? 0.5 : 0;
+  return rounding == DisparityRounding::Simkinect ? 0.5 : 0;
 }
 
 /// Of z' = 351.3 / d', by summing over all whole d': it is drawn when 351.3 / z + bias + N(0, 1/6) lies
@@ -54,13 +54,13 @@ TEST_P(HandaNoise, OnAPlaneHasTheFormulasMeanAndSigma) {
 
 INSTANTIATE_TEST_SUITE_P(Depths, HandaNoise,
                          ::testing::Combine(::testing::Values(1.0, 1.001, 2.0, 2.01, 4.0, 4.03),
-                                            ::testing::Values(DisparityRounding::kPublished,
-                                                              DisparityRounding::kSimkinect)));
+                                            ::testing::Values(DisparityRounding::Published,
+                                                              DisparityRounding::Simkinect)));
 
 TEST(HandaNoise, IsAsPublishedUnlessAskedFor) {
   const cv::Mat plane(40, 40, CV_32FC1, cv::Scalar(3));
   Rng one(1), other(1);
-  EXPECT_EQ(cv::norm(addHandaNoise(plane, one), addHandaNoise(plane, other, DisparityRounding::kPublished),
+  EXPECT_EQ(cv::norm(addHandaNoise(plane, one), addHandaNoise(plane, other, DisparityRounding::Published),
                      cv::NORM_INF),
             0);
 }
@@ -68,7 +68,7 @@ TEST(HandaNoise, IsAsPublishedUnlessAskedFor) {
 // Over many depths the effect of where z lies between two disparities averages out; what stays is
 // documented: nothing, or half a step of disparity as in the program simkinect.
 TEST(HandaNoise, BiasAndSigmaAreTheDocumentedOnes) {
-  for (const DisparityRounding rounding : {DisparityRounding::kPublished, DisparityRounding::kSimkinect})
+  for (const DisparityRounding rounding : {DisparityRounding::Published, DisparityRounding::Simkinect})
     for (const double z : {1.0, 2.0, 4.0}) {
       double bias = 0, squares = 0;
       const int steps = 400;

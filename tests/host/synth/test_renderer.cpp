@@ -17,7 +17,7 @@ constexpr Intrinsics kCamera{64, 48, 32, 32, 31.5, 23.5};
 Scene boxRoom() {
   Scene scene;
   const ShapeBuilder shapes(scene, Eigen::Isometry3d::Identity());
-  const auto grey = shapes.addMaterial({{200, 100, 50}, Pattern::kPlain, 1});
+  const auto grey = shapes.addMaterial({{200, 100, 50}, Pattern::Plain, 1});
   shapes.quad({0, 0, 0}, {4, 0, 0}, {0, 3, 0}, grey);
   shapes.quad({0, 0, 2.5}, {0, 3, 0}, {4, 0, 0}, grey);
   shapes.quad({0, 0, 0}, {0, 0, 2.5}, {4, 0, 0}, grey);

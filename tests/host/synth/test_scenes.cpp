@@ -14,14 +14,14 @@ namespace test_scenes {
 SynthOptions around(SceneKind scene, std::uint64_t seed, int frames) {
   SynthOptions options = smallOptions(seed, frames);
   options.scene = scene;
-  options.motion = Motion::kAround;
+  options.motion = Motion::Around;
   options.linear = {0.15, 0.5, 0.9};
   return options;
 }
 
 TEST(Scenes, DesksAreSeenFromWithinReach) {
   for (int seed = 1; seed <= 8; ++seed) {
-    const SynthPlan plan(around(SceneKind::kDesk, seed, 150));
+    const SynthPlan plan(around(SceneKind::Desk, seed, 150));
     EXPECT_GT(plan.statistics().clearance, 0.14) << seed;
     EXPECT_LT(plan.statistics().linear_max, 0.9) << seed;
     EXPECT_GT(plan.statistics().linear_mean, 0.3) << seed;
@@ -37,7 +37,7 @@ TEST(Scenes, DesksAreSeenFromWithinReach) {
 
 TEST(Scenes, DesksAsFastAsAsked) {
   for (const double high : {0.3, 1.2}) {
-    SynthOptions options = around(SceneKind::kDesk, 2, 150);
+    SynthOptions options = around(SceneKind::Desk, 2, 150);
     options.linear = options.linear.endingAt(high);
     const double fastest = SynthPlan(options).statistics().linear_max;
     EXPECT_GT(fastest, 0.7 * high);
@@ -47,7 +47,7 @@ TEST(Scenes, DesksAsFastAsAsked) {
 
 TEST(Scenes, ObjectsHaveTheirSizeAndATurnCloses) {
   for (int seed = 1; seed <= 8; ++seed) {
-    const SynthPlan plan(around(SceneKind::kObject, seed, 145));
+    const SynthPlan plan(around(SceneKind::Object, seed, 145));
     const Scene& scene = plan.scene();
     Eigen::Vector3f low = Eigen::Vector3f::Constant(1e9f), high = -low;
     for (std::uint32_t t = scene.subject.first_triangle; t < scene.subject.end_triangle; ++t)
@@ -69,7 +69,7 @@ TEST(Scenes, ObjectsHaveTheirSizeAndATurnCloses) {
 }
 
 TEST(Scenes, ObjectsAsFastAsAsked) {
-  SynthOptions options = around(SceneKind::kObject, 2, 200);
+  SynthOptions options = around(SceneKind::Object, 2, 200);
   options.turn_per_frame = 0;
   const MotionStatistics statistics = SynthPlan(options).statistics();
   EXPECT_NEAR(statistics.linear_mean, 0.5, 0.05);
@@ -77,8 +77,8 @@ TEST(Scenes, ObjectsAsFastAsAsked) {
 }
 
 TEST(Scenes, CutOutKeepsTheObjectAlone) {
-  SynthOptions options = around(SceneKind::kObject, 3, 30);
-  options.noise = DepthNoise::kNone;
+  SynthOptions options = around(SceneKind::Object, 3, 30);
+  options.noise = DepthNoise::None;
   const SynthPlan whole(options);
   options.cut_out = true;
   const SynthPlan cut(options);
@@ -100,11 +100,11 @@ TEST(Scenes, CutOutKeepsTheObjectAlone) {
 }
 
 TEST(Scenes, WhatContradictsIsRefused) {
-  SynthOptions options = around(SceneKind::kDesk, 1, 5);
+  SynthOptions options = around(SceneKind::Desk, 1, 5);
   options.cut_out = true;
   EXPECT_THROW(requirePlausible(options), InputError);
   options.cut_out = false;
-  options.motion = Motion::kSixDof;
+  options.motion = Motion::SixDof;
   EXPECT_THROW(requirePlausible(options), InputError);
   options = smallOptions();
   options.cut_out = true;

@@ -23,7 +23,7 @@ namespace test_sensors {
 Scene wallScene(double far, double near = 0) {
   Scene scene;
   const ShapeBuilder shapes(scene, Eigen::Isometry3d::Identity());
-  const auto white = shapes.addMaterial({{220, 220, 220}, Pattern::kNoise, 0.1f});
+  const auto white = shapes.addMaterial({{220, 220, 220}, Pattern::Noise, 0.1f});
   shapes.quad({-8, -8, far}, {0, 16, 0}, {16, 0, 0}, white);
   if (near > 0) shapes.quad({-0.15, -0.2, near}, {0, 0.4, 0}, {0.3, 0, 0}, white);
   paintVertices(scene);
@@ -40,7 +40,7 @@ cv::Mat depthOf(const Sensor& sensor, const Scene& scene, std::uint64_t seed = 1
 
 Sensor unregistered(const char* name) {
   Sensor sensor = sensorNamed(name);
-  sensor.registration = Registration::kNone;
+  sensor.registration = Registration::None;
   return sensor;
 }
 
@@ -114,7 +114,7 @@ TEST(Sensors, PointsOnALargerImageLeaveOnePixelHolesAndAreasNone) {
   const double scale = f200.depth.fx / f200.colour.fx;
   const cv::Mat points = depthOf(f200, wall);
   EXPECT_NEAR(validShare(points, middle), scale * scale, 0.03);
-  f200.registration = Registration::kAreas;
+  f200.registration = Registration::Areas;
   EXPECT_GT(validShare(depthOf(f200, wall), middle), 0.99);
   // Hardly a gap along a row that has depth is wider than a pixel.
   int wide = 0;
@@ -132,7 +132,7 @@ TEST(Sensors, RegisteredDepthIsSeenFromTheColourCamera) {
   depth.at<float>(10, 25) = 2;
   depth.at<float>(10, 26) = 1;
   const Pose moved(Eigen::Translation3d(0.1, 0, 0.5));
-  const cv::Mat registered = registerDepth(depth, from, to, moved, Registration::kPoints);
+  const cv::Mat registered = registerDepth(depth, from, to, moved, Registration::Points);
   EXPECT_EQ(cv::countNonZero(registered), 2);
   const Eigen::Vector3d p = moved * from.unproject(25, 10, 2);
   const Eigen::Vector2d pixel = to.project(p);
@@ -227,8 +227,8 @@ TEST(Sensors, SameSeedSameImagesOnAnyNumberOfThreads) {
     SynthOptions options = smallOptions(3, 2);
     options.sensor = sensorNamed(name);
     options.colour = true;
-    options.scene = SceneKind::kDesk;
-    options.motion = Motion::kAround;
+    options.scene = SceneKind::Desk;
+    options.motion = Motion::Around;
     options.threads = 1;
     const SynthSequence one = makeSequence(options);
     options.threads = 3;

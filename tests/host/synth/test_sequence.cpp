@@ -66,7 +66,7 @@ TEST(Sequence, OtherSeedsGiveOtherRoomsOfSensibleSize) {
 TEST(Sequence, SimkinectsNoiseReadsNearerAndIsNamedInTheReport) {
   SynthOptions options = smallOptions(5, 2);
   const SynthPlan handa(options);
-  options.noise = DepthNoise::kSimkinect;
+  options.noise = DepthNoise::Simkinect;
   const SynthPlan simkinect(options);
   EXPECT_LT(cv::mean(simkinect.renderFrame(0).depth)[0], cv::mean(handa.renderFrame(0).depth)[0]);
   EXPECT_EQ(nlohmann::json::parse(synthReport(handa)).at("noise"), "handa");
@@ -78,7 +78,7 @@ TEST(Sequence, SimkinectsNoiseReadsNearerAndIsNamedInTheReport) {
 TEST(Sequence, NoiseCanBeTurnedOff) {
   SynthOptions options = smallOptions(5, 3);
   const SynthSequence noisy = makeSequence(options);
-  options.noise = DepthNoise::kNone;
+  options.noise = DepthNoise::None;
   const SynthSequence clean = makeSequence(options);
   EXPECT_FALSE(same(noisy.frames[1].depth, clean.frames[1].depth));
   EXPECT_TRUE(noisy.truth[1].world_from_camera.matrix() == clean.truth[1].world_from_camera.matrix());
@@ -175,7 +175,7 @@ TEST_F(Folder, HoldsWhatATumReaderExpects) {
 
 TEST_F(Folder, DepthPngsAreMetresTimes5000) {
   SynthOptions options = smallOptions(4, 2);
-  options.noise = DepthNoise::kNone;
+  options.noise = DepthNoise::None;
   const SynthPlan plan(options);
   const cv::Mat depth = plan.renderFrame(0).depth;
   const Pose& pose = plan.truth()[0].world_from_camera;

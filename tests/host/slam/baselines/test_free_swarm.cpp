@@ -13,7 +13,7 @@ constexpr double kExact = 1e-12;
 
 SwarmSettings settingsOf(std::vector<SwarmLevel> levels) {
   SwarmSettings settings;
-  settings.loss = FitnessLoss::kAbsolute;
+  settings.loss = FitnessLoss::Absolute;
   settings.levels = std::move(levels);
   settings.max_empty_sets = 1000;
   settings.minimum_move = 0;
@@ -90,7 +90,7 @@ TEST(FreeSwarm, NothingBetterKeepsTheCentreAndAllIterationsAreSpent) {
           : updatePso(settings, {}, swarm, losses, {}, random);
       EXPECT_TRUE(swarm.state.centre.isApprox(somePose(), 0));
     }
-    EXPECT_EQ(swarm.state.stop_reason, StopReason::kMaxIterations);
+    EXPECT_EQ(swarm.state.stop_reason, StopReason::MaxIterations);
     EXPECT_NEAR(swarm.state.failure_loss, 0.1, 1e-6);
     EXPECT_THROW(updatePfo(settings, {}, swarm, losses, {}, random), std::invalid_argument);
   }

@@ -74,8 +74,8 @@ TEST_F(PoseMethods, EachTracksASlowCameraRepeatablyInItsOwnWay) {
 }
 
 TEST_F(PoseMethods, PresetsNameTheirMethod) {
-  EXPECT_EQ(loadSettings("paper").tracking.method, TrackingMethod::kPst);
-  EXPECT_EQ(loadSettings("default").tracking.method, TrackingMethod::kDefault);
+  EXPECT_EQ(loadSettings("paper").tracking.method, TrackingMethod::Pst);
+  EXPECT_EQ(loadSettings("default").tracking.method, TrackingMethod::Default);
 }
 
 TEST_F(PoseMethods, SwarmsSpendTheSameBudget) {
