@@ -72,7 +72,7 @@ std::size_t rankOf(const Pose& truth, const std::vector<PoseHypothesis>& poses, 
   return poses.size();
 }
 
-TEST(AgreeingPlaces, ACornerOfARoomIsFoundAmongTheFirstWithoutAGuess) {
+TEST(PlaneAlignment, ACornerOfARoomIsFoundAmongTheFirstWithoutAGuess) {
   const auto model = room();
   for (const double yaw : {0.6, 2.2, 3.8, 5.4}) {
     const Pose camera = lookingAlong({2.7, 2.1, 1.4}, yaw, 0.4);
@@ -85,7 +85,7 @@ TEST(AgreeingPlaces, ACornerOfARoomIsFoundAmongTheFirstWithoutAGuess) {
   }
 }
 
-TEST(AgreeingPlaces, HalfOfTheViewMayBeUnknown) {
+TEST(PlaneAlignment, HalfOfTheViewMayBeUnknown) {
   const auto all = room();
   std::vector<SurfacePatch> model;
   for (const SurfacePatch& patch : all)
@@ -96,7 +96,7 @@ TEST(AgreeingPlaces, HalfOfTheViewMayBeUnknown) {
   EXPECT_LT(rankOf(camera, poseHypotheses(view, model, quarters(camera.linear()), 1000), 0.15), 1000U);
 }
 
-TEST(AgreeingPlaces, ADirectionThatTheViewLeavesOpenIsTriedAllAlong) {
+TEST(PlaneAlignment, ADirectionThatTheViewLeavesOpenIsTriedAllAlong) {
   std::vector<SurfacePatch> corridor;
   addRectangle(corridor, {0, 0, 0}, {12, 0, 0}, {0, 2, 0});
   addRectangle(corridor, {0, 2, 0}, {12, 0, 0}, {0, 0, 2.5});
@@ -115,7 +115,7 @@ TEST(AgreeingPlaces, ADirectionThatTheViewLeavesOpenIsTriedAllAlong) {
   EXPECT_GT(most, 9.5);
 }
 
-TEST(AgreeingPlaces, NothingSeenOrNothingKnownHasNoPlace) {
+TEST(PlaneAlignment, NothingSeenOrNothingKnownHasNoPlace) {
   const std::vector<Eigen::Matrix3d> rotations{Eigen::Matrix3d::Identity()};
   EXPECT_TRUE(poseHypotheses({}, room(), rotations, 10).empty());
   EXPECT_TRUE(poseHypotheses(room(), {}, rotations, 10).empty());
