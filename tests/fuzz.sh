@@ -8,7 +8,7 @@ seconds=${1:-10}
 shift || true
 parsers=("$@")
 if [[ ${#parsers[@]} -eq 0 ]]; then
-  parsers=(settings assignment trajectory calibration list sequence_yaml png seq bag db3 mcap ply templates wire codec keys)
+  parsers=(settings assignment trajectory calibration list sequence_yaml png seq bag db3 mcap mkv ply templates wire codec keys)
 fi
 command -v clang++-14 >/dev/null || { echo "fuzz: clang++-14 is missing; install the package clang-14." >&2; exit 1; }
 mkdir -p build/fuzz/found
@@ -20,7 +20,7 @@ export LSAN_OPTIONS=suppressions=$PWD/tests/leak_sanitizer.txt:print_suppression
 failed=0
 for parser in "${parsers[@]}"; do
   mkdir -p "build/fuzz/found/$parser" "tests/fuzz/corpus/$parser"
-  case "$parser" in bag | db3 | mcap) cp -n "tests/fixtures/recordings/small.$parser" "build/fuzz/found/$parser/" ;; esac
+  case "$parser" in bag | db3 | mcap | mkv) cp -n "tests/fixtures/recordings/small.$parser" "build/fuzz/found/$parser/" ;; esac
   log=build/fuzz/$parser.log
   # 2 GB in all and 256 MB at once: no parser may believe a size that the bytes do not hold.
   if ROSEFUSION_FUZZ=$parser build/fuzz/tests/fuzz/fuzz_parsers -max_total_time="$seconds" -max_len=16384 -timeout=20 \

@@ -15,7 +15,8 @@ void SourceArguments::addTo(CLI::App& command) {
           "SOURCE", source,
           "Folder (TUM RGB-D, ETH3D, ICL-NUIM, 7-Scenes, Replica, FastCaMo, ScanNet, Open3D, Stray Scanner, "
           "PNGs "
-          "with sequence.yaml), file (.bag, .db3, .mcap, .sens, .klg, .r3d, .seq), or camera (openni2:, "
+          "with sequence.yaml), file (.bag, .db3, .mcap, .mkv, .sens, .klg, .r3d, .seq), or camera "
+          "(openni2:, "
           "realsense:, k4a:)")
       ->required();
   command.add_flag(

@@ -73,4 +73,8 @@ std::unique_ptr<Sequence> openSens(const std::filesystem::path& file, const Sequ
 std::unique_ptr<Sequence> openKlg(const std::filesystem::path& file, const SequenceOptions& options);
 std::unique_ptr<Sequence> openRecord3d(const std::filesystem::path& file, const SequenceOptions& options);
 
+/// An Azure Kinect's recording (.mkv); the same.
+std::unique_ptr<Sequence> openAzureRecording(const std::filesystem::path& file,
+                                             const SequenceOptions& options);
+
 }  // namespace rosefusion::datasets

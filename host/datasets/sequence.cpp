@@ -5,6 +5,7 @@
 
 #include "host/core/error.h"
 #include "host/core/number_text.h"
+#include "host/datasets/file_bytes.h"
 #include "host/datasets/image_sequence.h"
 #include "host/datasets/text_table.h"
 
@@ -28,19 +29,26 @@ const Reader* findReader(const fs::path& folder) {
 
 using OpenRecording = std::unique_ptr<Sequence> (*)(const fs::path&, const SequenceOptions&);
 
-/// What reads a file of this ending; null: nothing does.
+/// As Matroska files begin, whatever their name.
+bool isEbml(const fs::path& file) {
+  constexpr std::byte kMagic[] = {std::byte{0x1A}, std::byte{0x45}, std::byte{0xDF}, std::byte{0xA3}};
+  return FileBytes(file).beginsWith(kMagic);
+}
+
+/// What reads a file of this kind; null: nothing does.
 OpenRecording openerOf(const fs::path& file) {
   const std::string ending = lowered(file.extension().string());
   if (ending == ".seq") return openPackedSeq;
   if (ending == ".sens") return openSens;
   if (ending == ".klg") return openKlg;
   if (ending == ".r3d") return openRecord3d;
+  if (ending == ".mkv" || isEbml(file)) return openAzureRecording;
   if (ending == ".bag" || ending == ".db3" || ending == ".mcap") return openRosRecording;
   return nullptr;
 }
 
 constexpr const char* kRecordings =
-    "a recording in one file (.bag, .db3, .mcap, .sens, .klg, .r3d, FastCaMo's .seq)";
+    "a recording in one file (.bag, .db3, .mcap, .mkv, .sens, .klg, .r3d, FastCaMo's .seq)";
 
 std::vector<fs::path> recordingsIn(const fs::path& folder) {
   std::vector<fs::path> files;

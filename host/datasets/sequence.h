@@ -31,6 +31,7 @@ struct SequenceInfo {
   double depth_units_per_metre = 0;
   bool depth_units_assumed = false;  ///< by the format's convention
   std::size_t frames = 0;
+  std::string sensor;       ///< whose recording it is, as depth.sensor has it, where the file tells
   bool has_colour = false;  ///< colour exists for at least one frame, whether it is asked for or not
   /// Seconds that one unit of the time stamps lasts: 1, except where the data set stamps with frame numbers
   /// (ICL-NUIM: 1/30). Stamps are passed on as the data set has them, so that its own truth file still fits.
@@ -58,9 +59,9 @@ class Sequence {
   SequenceInfo info_;
 };
 
-/// Opens a folder (or a recording in one file: .bag, .db3, .mcap, .sens, .klg, .r3d, .seq), choosing the
-/// reader by what lies in it: TUM RGB-D, ETH3D SLAM, ICL-NUIM, 7-Scenes, Replica (NICE-SLAM), FastCaMo, Stray
-/// Scanner, ScanNet, Open3D, or PNGs described by a sequence.yaml, which wins over all others. Throws
+/// Opens a folder (or a recording in one file: .bag, .db3, .mcap, .mkv, .sens, .klg, .r3d, .seq), choosing
+/// the reader by what lies in it: TUM RGB-D, ETH3D SLAM, ICL-NUIM, 7-Scenes, Replica (NICE-SLAM), FastCaMo,
+/// Stray Scanner, ScanNet, Open3D, or PNGs described by a sequence.yaml, which wins over all others. Throws
 /// InputError for a missing, empty or unknown folder (the sentence lists what was looked for), an unreadable
 /// list, implausible intrinsics, or when not one of its depth images can be read.
 std::unique_ptr<Sequence> openSequence(const std::filesystem::path& path,

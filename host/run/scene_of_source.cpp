@@ -8,8 +8,10 @@ std::optional<SceneMeasures> sceneOf(PeekedSource& source, const Settings& setti
                                      const StopQuestion& stop) {
   if (!hasAutomatic(settings)) return {};
   const SequenceInfo& info = source.info();
-  return surveyScene(source.firstDepths(kSurveyedFrames, stop), info.intrinsics, info.depth_units_per_metre,
-                     settings.depth);
+  std::optional<SceneMeasures> scene = surveyScene(source.firstDepths(kSurveyedFrames, stop), info.intrinsics,
+                                                   info.depth_units_per_metre, settings.depth);
+  if (scene) scene->sensor = info.sensor;
+  return scene;
 }
 
 }  // namespace rosefusion

@@ -111,7 +111,9 @@ Settings resolved(Settings settings, const std::optional<SceneMeasures>& scene) 
   if (scene && hasAutomatic(settings))
     settings.tracking.min_valid_share =
         std::min(settings.tracking.min_valid_share, kShareOfFirst * scene->valid_share);
-  if (const SensorModel* named = sensorModel(settings.depth.sensor)) {
+  const bool by_recording = settings.depth.sensor == DepthSensor::kAuto && scene;
+  if (const SensorModel* named =
+          by_recording ? sensorModel(scene->sensor) : sensorModel(settings.depth.sensor)) {
     const bool contradicted = scene && isNoisierThan(*named, *scene);
     const SensorModel* nearest =
         contradicted ? nearestModel(*scene, std::numeric_limits<double>::infinity()) : nullptr;
@@ -154,7 +156,10 @@ std::vector<std::string> choicesOf(const Settings& asked, const Settings& taken,
   const SensorModel* model = sensorModel(taken.depth.sensor);
   if (asked.depth.sensor == DepthSensor::Auto)
     said.push_back(
-        model ? printed("The depth's noise is like that of a %s (depth.sensor, --sensor).", model->name)
+        model && model->name == scene->sensor ? printed("The recording is of a sensor %s, and so is taken "
+                                                        "the depth's noise (depth.sensor, --sensor).",
+                                                        model->name)
+        : model ? printed("The depth's noise is like that of a %s (depth.sensor, --sensor).", model->name)
         : scene->flat.empty()
             ? "Too few flat surfaces are in view to measure the depth's noise; it is taken as a Kinect's "
               "(depth.sensor, --sensor)."

@@ -23,6 +23,7 @@ struct SceneMeasures {
   /// What flat pieces of the image deviate from planes by, by depth; see SensorModel::flatDeviation(). Empty
   /// where too few are flat.
   std::vector<Deviation> flat;
+  std::string sensor;  ///< whose recording it is, as depth.sensor has it; empty: the recording does not say
 };
 
 /// Frames whose images are looked at: enough that one of them may be dark or covered.

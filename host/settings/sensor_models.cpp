@@ -32,4 +32,10 @@ const SensorModel* sensorModel(DepthSensor sensor) {
   return found == std::end(kModels) ? nullptr : &*found;
 }
 
+const SensorModel* sensorModel(std::string_view name) {
+  const auto found = std::find_if(std::begin(kModels), std::end(kModels),
+                                  [&](const SensorModel& model) { return model.name == name; });
+  return found == std::end(kModels) ? nullptr : &*found;
+}
+
 }  // namespace rosefusion

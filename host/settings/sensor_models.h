@@ -1,6 +1,7 @@
 // What depth cameras are known to err by, by name.
 #pragma once
 #include <span>
+#include <string_view>
 
 namespace rosefusion {
 
@@ -34,7 +35,8 @@ struct SensorModel {
 
 /// All that are known (tests/bench/notes/sensors.md#sensor-models).
 std::span<const SensorModel> sensorModels();
-/// Null for kGiven and kAuto.
+/// Null for kGiven and kAuto, and for a name that none has.
 const SensorModel* sensorModel(DepthSensor sensor);
+const SensorModel* sensorModel(std::string_view name);
 
 }  // namespace rosefusion

@@ -87,8 +87,8 @@ std::vector<SettingsField> makeTable() {
       choice<DepthSensor>(
           "depth.sensor", sensorWords(),
           "whose noise the depths have: that of a camera, or of one like the first images if those are far "
-          "noisier; auto, of the one that the first images look like; "
-          "given, as "
+          "noisier; auto, of the one that the recording names, else that the first images look like; given, "
+          "as "
           "noise_floor, noise_growth, bias_growth and refine.model_noise say",
           [](Settings & s) -> auto& { return s.depth.sensor; }),
       row(

@@ -140,6 +140,9 @@ void rosDatabase(Bytes bytes) {
 void mcap(Bytes bytes) {
   readSequence(scratch().write("recording.mcap", bytes));
 }
+void mkv(Bytes bytes) {
+  readSequence(scratch().write("recording.mkv", bytes));
+}
 void ply(Bytes bytes) {
   readPly(scratch().write("mesh.ply", bytes));
 }
@@ -185,6 +188,7 @@ constexpr struct {
                 {"bag", rosBag},
                 {"db3", rosDatabase},
                 {"mcap", mcap},
+                {"mkv", mkv},
                 {"ply", ply},
                 {"templates", templates},
                 {"wire", wireMessage},

@@ -103,6 +103,20 @@ TEST(SceneSurvey, DepthFarNoisierThanTheSensorNamedIsTakenAsMeasured) {
   EXPECT_EQ(resolved(asked, smooth).depth.sensor, DepthSensor::Kinect2) << "less noise does no harm";
 }
 
+TEST(SceneSurvey, WhatTheRecordingSaysIsBelievedAboutAsMuch) {
+  auto smooth = survey(floorFrom(1, kinect)), noisy = survey(floorFrom(1, stereo));
+  smooth->sensor = noisy->sensor = "azure";
+  EXPECT_EQ(resolved(automatic(), smooth).depth.sensor, DepthSensor::kAzure) << "the noise is a kinect1's";
+  EXPECT_THAT(choicesOf(automatic(), resolved(automatic(), smooth), smooth).back(),
+              HasSubstr("of a sensor azure"));
+  EXPECT_EQ(resolved(automatic(), noisy).depth.sensor, DepthSensor::kD400) << "far noisier";
+  Settings asked = automatic();
+  applyAssignment(asked, "depth.sensor=kinect2");
+  EXPECT_EQ(resolved(asked, smooth).depth.sensor, DepthSensor::kKinect2) << "the user knows better";
+  smooth->sensor = "another";
+  EXPECT_EQ(resolved(automatic(), smooth).depth.sensor, DepthSensor::kKinect1);
+}
+
 TEST(SceneSurvey, VoxelsFollowTheSizeOfTheView) {
   const auto voxel = [](double height) {
     return resolved(automatic(), survey(floorFrom(height, kinect))).volume;
