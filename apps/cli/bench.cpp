@@ -13,11 +13,14 @@
 #include "apps/cli/exit_code.h"
 #include "apps/cli/interrupt.h"
 #include "apps/cli/validators.h"
+#include "host/bench/comparison.h"
+#include "host/bench/history.h"
 #include "host/bench/network_bench.h"
 #include "host/bench/pass_bench.h"
 #include "host/bench/sensor_suite.h"
 #include "host/bench/tracking_suite.h"
 #include "host/core/error.h"
+#include "host/core/file_io.h"
 #include "host/settings/automatic.h"
 
 namespace rosefusion::cli {
@@ -28,6 +31,8 @@ struct BenchArguments {
   std::vector<std::string> assignments;
   std::string device;
   std::string json;
+  std::string history;
+  std::vector<std::string> compared;
   std::string suite = "passes";
   std::optional<int> frames;
   std::optional<std::uint64_t> seed;
@@ -89,7 +94,18 @@ void benchPassesOf(BenchArguments& o) {
   const BenchReport report =
       benchPasses(device, o.passes, [](const std::string& what) { spdlog::info("{}", what); });
   if (o.json != "-") std::fputs(benchTable(report).c_str(), stdout);
-  writeJson(o.json, benchJson(report).dump(2));
+  nlohmann::ordered_json figures = datedFigures(benchJson(report));
+  figures.update({{"settings", settingsName(o)}, {"frames", o.passes.frames}, {"seed", o.passes.seed}});
+  writeJson(o.json, figures.dump(2));
+  if (!o.history.empty()) appendHistory(o.history, figures);
+}
+
+void compareTwo(const BenchArguments& o) {
+  const std::string &before = o.compared[0], &after = o.compared[1];
+  const nlohmann::ordered_json old_figures = readFigures(before), new_figures = readFigures(after);
+  const FiguresComparison comparison = compareFigures(old_figures, new_figures, before, after);
+  if (o.json != "-") std::fputs(comparisonTable(comparison).c_str(), stdout);
+  writeJson(o.json, comparisonJson(comparison).dump(2));
 }
 
 void benchTracking(BenchArguments& o) {
@@ -150,6 +166,8 @@ void bench(BenchArguments& o) {
         throw InputError(option->get_name() + " means nothing to --suite " + o.suite +
                          "; leave it out, or choose --suite " + suite + ".");
   requireWritableJson(o.json);
+  if (!o.compared.empty()) return compareTwo(o);
+  if (!o.history.empty()) requireWritable(o.history);
   if (o.suite == "network") return benchNetworkOf(o);
   if (o.suite == "sensors") return benchSensors(o);
   o.suite == "tracking" ? benchTracking(o) : benchPassesOf(o);
@@ -161,6 +179,18 @@ void addPassOptions(CLI::App& c, BenchArguments& o) {
       c.add_option("--repeat", o.passes.repeat, "Measurements of each figure; the median is reported")
           ->check(CLI::Range(1, 10000))
           ->capture_default_str()
+          ->group(group),
+      c.add_option(
+           "--history", o.history,
+           "Also append the figures to this file, as one line of JSON with date, commit, device, driver and "
+           "processor")
+          ->group(group),
+      c.add_option(
+           "--compare", o.compared,
+           "Measure nothing: print what changed from A to B, the largest change first; files written by "
+           "--json or --history (its last entry; FILE#2 is its second, FILE#-2 the last but one)")
+          ->expected(2)
+          ->type_name("A B")
           ->group(group)};
 }
 
@@ -215,7 +245,7 @@ void addBenchCommand(CLI::App& app) {
   auto o = std::make_shared<BenchArguments>();
   CLI::App* c = app.add_subcommand(
       "bench",
-      "Time the passes beside a tuned CPU loop over the same data, or measure how accurate tracking is over "
+      "Time the passes beside tuned CPU loops over the same data, or measure how accurate tracking is over "
       "many sequences, or what a network stream costs");
   c->add_option("--suite", o->suite,
                 "What to measure: passes (each compute pass on its own), tracking (errors over sequences), "
@@ -243,6 +273,7 @@ void addBenchCommand(CLI::App& app) {
       o->of_suite[suite].push_back(c->get_option(name));
   c->footer(
       "Examples:\n  rosefusion bench\n  rosefusion bench --device cpu --repeat 50 --json bench.json\n"
+      "  rosefusion bench --history bench.jsonl && rosefusion bench --compare bench.jsonl#-2 bench.jsonl\n"
       "  rosefusion bench --suite tracking --rooms 20 --work out/rooms --json tracking.json\n"
       "  rosefusion bench --suite tracking --rooms 5 --disturb cut --disturb black --disturb hand\n"
       "  rosefusion bench --suite tracking --rooms 0 --sequence rgbd_dataset_freiburg1_rpy --config paper\n"

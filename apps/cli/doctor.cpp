@@ -66,8 +66,8 @@ Section machine() {
   out.lines = {{"rosefusion", ROSEFUSION_VERSION},
                {"built with", std::string(__VERSION__)},
                {"system", firstLineWith("/etc/os-release", "PRETTY_NAME") + ", " + kernelName()},
-               {"processor", firstLineWith("/proc/cpuinfo", "model name") + ", " +
-                                 std::to_string(std::thread::hardware_concurrency()) + " threads"},
+               {"processor",
+                processorName() + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads"},
                {"memory", firstLineWith("/proc/meminfo", "MemTotal") + ", free " +
                               firstLineWith("/proc/meminfo", "MemAvailable")}};
   std::string cameras;

@@ -27,7 +27,7 @@ void IntegratePass::record(Recorder& recorder, const Volume& volume, const Devic
   const IntegrateParams params{
       camera_from_world,
       camera.focal_centre,
-      glm::ivec4(camera.size.x, camera.size.y, static_cast<int>(slots_.size()), colour),
+      glm::ivec4(camera.size.x, camera.size.y, static_cast<int>(slots_.size()), 0),
       noise.floor,
       noise.growth,
       noise.bias_growth,
@@ -37,7 +37,7 @@ void IntegratePass::record(Recorder& recorder, const Volume& volume, const Devic
                                     volume.weight(),       volume.colour()};
   if (device_.info().readsTexels())
     buffers.insert(buffers.end(), {volume.tsdf(), volume.weight(), volume.colour()});
-  recorder.dispatchBytes(kernels_.of(volume.chunks()), buffers, &params, sizeof(params),
+  recorder.dispatchBytes(kernels_.of(volume.chunks(), colour), buffers, &params, sizeof(params),
                          Groups{static_cast<std::uint32_t>(slots_.size())});
 }
 

@@ -15,7 +15,7 @@ class IntegratePass {
  public:
   explicit IntegratePass(Device& device);
   /// Makes the kernel now, not inside the first record().
-  void prepare(const VolumeView& volume) { kernels_.of(volume.chunks()); }
+  void prepare(const VolumeView& volume) { kernels_.of(volume.chunks(), volume.options().colour); }
 
   /// Updates all allocated blocks that the camera can see up to `far` metres and that no surface of the frame
   /// hides. The frame's own submit must have ended, and the blocks around the surface must have been
@@ -28,7 +28,7 @@ class IntegratePass {
 
  private:
   Device& device_;
-  KernelVariants kernels_;  ///< by number of pool chunks
+  KernelVariants kernels_;  ///< by number of pool chunks, and whether colour is fused
   std::vector<std::uint32_t> slots_;
   Buffer visible_;
 };

@@ -1,19 +1,15 @@
 #include "host/bench/native_fitness.h"
 
-#include <atomic>
 #include <cmath>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
-#include <thread>
+
+#include "host/bench/native_loop.h"
 
 namespace rosefusion {
 namespace {
 
 using shader::kBlockSide;
-using shader::kBlockVoxels;
-
-constexpr int kLanes = 16;  // one AVX-512 register, two of AVX2
 
 /// The poses of kLanes particles, from metres in the camera to voxels from the page table's corner.
 struct LanePoses {
@@ -41,10 +37,9 @@ LanePoses posesOf(const NativeVolume& volume, std::span<const glm::vec4> templat
   return out;
 }
 
-/// The lane loop has a fixed length and no branch, so that it becomes vector code with gathers.
 template <bool kSquared>
-[[gnu::always_inline]] inline void sumLosses(const NativeVolume& volume, const LanePoses& poses,
-                                             std::span<const glm::vec4> points, float* losses) {
+ROSEFUSION_INLINE void sumLosses(const NativeVolume& volume, const LanePoses& poses,
+                                 std::span<const glm::vec4> points, float* losses) {
   const std::int32_t* table = volume.table.data();
   const std::int32_t* tsdf = volume.tsdf.data();
   const std::int32_t row = volume.table_size.x, plane = row * volume.table_size.y;
@@ -55,11 +50,7 @@ template <bool kSquared>
   alignas(64) float sum[kLanes] = {}, lost[kLanes] = {};
   for (const glm::vec4& p : points) {
     const float px = p.x, py = p.y, pz = p.z;
-#ifdef __clang__
-#pragma clang loop vectorize(assume_safety)
-#else
-#pragma GCC ivdep
-#endif
+    ROSEFUSION_LANES
     for (int k = 0; k < kLanes; ++k) {
       const float x = r[0][k] * px + r[3][k] * py + r[6][k] * pz + t[0][k];
       const float y = r[1][k] * px + r[4][k] * py + r[7][k] * pz + t[1][k];
@@ -83,103 +74,24 @@ template <bool kSquared>
   for (int k = 0; k < kLanes; ++k) losses[k] = sum[k] / static_cast<float>(points.size());
 }
 
-using SumLosses = void (*)(const NativeVolume&, const LanePoses&, std::span<const glm::vec4>, float*);
-
-#define ROSEFUSION_VARIANT(NAME, ATTRIBUTES)                               \
-  template <bool kSquared>                                                 \
-  ATTRIBUTES void NAME(const NativeVolume& volume, const LanePoses& poses, \
-                       std::span<const glm::vec4> points, float* losses) { \
-    sumLosses<kSquared>(volume, poses, points, losses);                    \
-  }
-ROSEFUSION_VARIANT(sumPlain, )
-#ifdef __x86_64__
-ROSEFUSION_VARIANT(sumAvx2, __attribute__((target("avx2,fma"))))
-#ifdef __clang__  // knows no preference of a width in an attribute
-#define ROSEFUSION_WIDTH
-#else
-#define ROSEFUSION_WIDTH ",prefer-vector-width=512"
-#endif
-ROSEFUSION_VARIANT(sumAvx512,
-                   __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw,fma" ROSEFUSION_WIDTH))))
-#undef ROSEFUSION_WIDTH
-#endif
-#undef ROSEFUSION_VARIANT
-
-enum class InstructionSet { Plain, Avx2, Avx512 };
-
-InstructionSet instructionSet() {
-#ifdef __x86_64__
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
-    return InstructionSet::Avx512;
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return InstructionSet::Avx2;
-#endif
-  return InstructionSet::Plain;
-}
-
-template <bool kSquared>
-SumLosses variant() {
-#ifdef __x86_64__
-  if (instructionSet() == InstructionSet::Avx512) return sumAvx512<kSquared>;
-  if (instructionSet() == InstructionSet::Avx2) return sumAvx2<kSquared>;
-#endif
-  return sumPlain<kSquared>;
-}
+ROSEFUSION_NATIVE(sumSquares, sumLosses<true>)
+ROSEFUSION_NATIVE(sumSizes, sumLosses<false>)
 
 }  // namespace
-
-NativeVolume::NativeVolume(const VolumeContents& contents, float voxel_size_) : voxel_size(voxel_size_) {
-  glm::ivec3 low(0), high(0);
-  for (std::size_t slot = 1; slot < contents.blocks.size(); ++slot) {
-    const glm::ivec3 block(contents.blocks[slot]);
-    low = slot == 1 ? block : glm::min(low, block);
-    high = slot == 1 ? block : glm::max(high, block);
-  }
-  table_origin = low - 1;
-  table_size = high - low + 3;
-  table.assign(std::size_t(table_size.x) * table_size.y * table_size.z, 0);
-  for (std::size_t slot = 1; slot < contents.blocks.size(); ++slot) {
-    const glm::ivec3 entry = glm::ivec3(contents.blocks[slot]) - table_origin;
-    table[(std::size_t(entry.z) * table_size.y + entry.y) * table_size.x + entry.x] =
-        static_cast<std::int32_t>(slot * kBlockVoxels);
-  }
-  tsdf.resize(contents.tsdf.size() / 2);
-  const auto code = [&](std::size_t voxel) {
-    return static_cast<std::uint16_t>(std::lround(contents.tsdf[voxel] * 32767));
-  };
-  for (std::size_t word = 0; word < tsdf.size(); ++word)
-    tsdf[word] = static_cast<std::int32_t>(code(2 * word) | std::uint32_t(code(2 * word + 1)) << 16);
-}
 
 std::vector<float> nativeLosses(const NativeVolume& volume, std::span<const glm::vec4> templates,
                                 std::span<const glm::vec4> points, const SwarmPlacement& swarm, Loss loss,
                                 int threads) {
   if (points.empty()) return std::vector<float>(swarm.particles, -1.0f);
-  const SumLosses sum = loss == Loss::Squared ? variant<true>() : variant<false>();
   const std::uint32_t groups = (swarm.particles + kLanes - 1) / kLanes;
   std::vector<float> losses(std::size_t(groups) * kLanes);
-  std::atomic<std::uint32_t> next = 0;
-  const auto work = [&] {
-    for (std::uint32_t group = next++; group < groups; group = next++)
-      sum(volume, posesOf(volume, templates, swarm, group * kLanes), points, &losses[group * kLanes]);
-  };
-  std::vector<std::jthread> others;
-  for (int i = 1; i < threads; ++i) others.emplace_back(work);
-  work();
-  others.clear();
+  inParallel(groups, threads, [&](std::uint32_t group) {
+    const LanePoses poses = posesOf(volume, templates, swarm, group * kLanes);
+    float* at = &losses[std::size_t(group) * kLanes];
+    loss == Loss::Squared ? sumSquares(volume, poses, points, at) : sumSizes(volume, poses, points, at);
+  });
   losses.resize(swarm.particles);
   return losses;
-}
-
-std::string nativeInstructionSet() {
-  switch (instructionSet()) {
-    case InstructionSet::Avx512:
-      return "AVX-512";
-    case InstructionSet::Avx2:
-      return "AVX2";
-    default:
-      return "the compiler's default";
-  }
 }
 
 }  // namespace rosefusion

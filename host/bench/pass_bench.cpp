@@ -1,22 +1,27 @@
 #include "host/bench/pass_bench.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
-#include <cstdio>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
-#include "engine/passes/allocate.h"
 #include "engine/passes/extract.h"
-#include "engine/passes/integrate.h"
 #include "engine/passes/raycast.h"
+#include "engine/passes/refine.h"
+#include "host/bench/bench_scene.h"
 #include "host/bench/native_fitness.h"
-#include "host/bench/stopwatch.h"
+#include "host/bench/native_loop.h"
+#include "host/bench/native_pairs.h"
+#include "host/bench/native_raycast.h"
+#include "host/bench/native_refine.h"
 #include "host/core/log_to_spdlog.h"
 #include "host/core/number_text.h"
-#include "host/slam/mapping/frame_integrator.h"
 #include "host/slam/shader_types.h"
 #include "host/swarm/template_sampling.h"
-#include "host/synth/sequence.h"
 
 namespace rosefusion {
 namespace {
@@ -25,17 +30,6 @@ namespace {
 // lookups are cheap for both sides.
 constexpr float kTranslationLength = 0.1f;  // metres
 constexpr float kRotationLength = 0.05f;    // of the quaternion's imaginary part
-
-constexpr double kFps = 10;  // few frames that see much
-
-SynthSequence sequenceFor(const BenchOptions& options) {
-  SynthOptions synth;
-  synth.frames = options.frames;
-  synth.fps = kFps;
-  synth.seed = options.seed;
-  synth.colour = options.settings.volume.colour;
-  return makeSequence(synth);
-}
 
 std::vector<glm::vec4> templatesFor(const Settings& settings) {
   TemplateOptions options;
@@ -53,73 +47,132 @@ std::vector<glm::vec4> templatesFor(const Settings& settings) {
   return out;
 }
 
-std::vector<std::uint32_t> packColour(const cv::Mat& bgr) {
-  std::vector<std::uint32_t> rgb;
-  rgb.reserve(bgr.total());
-  for (const cv::Vec3b& p : cv::Mat_<cv::Vec3b>(bgr)) rgb.push_back(p[2] | p[1] << 8 | p[0] << 16);
-  return rgb;
+// What rounding may do. Depths and points are compared to a tenth of a millimetre; where it decides whether a
+// pixel is an edge or lies on a plane, they differ by more. Voxels see another pixel beside it, and rays
+// another candidate at the rim of what they hit.
+constexpr double kDepthTolerance = 1e-4, kPixelsApart = 2e-3;
+constexpr double kTsdfTolerance = 0.01, kWeightTolerance = 0.02, kVoxelsApart = 2e-3;
+constexpr double kSumTolerance = 1e-3;
+constexpr double kHitTolerance = 0.1, kShadeTolerance = 4, kRaysApart = 0.01;  // voxels; of 255
+
+/// The sums of a candidate in units in which a point weighs alike: the diagonal's, or what bounds them.
+std::vector<float> comparable(std::span<const RefineSums> all, std::span<const RefineSums> unit,
+                              float huber) {
+  using namespace shader;
+  std::vector<float> out;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const RefineSums &sums = all[i], &of = unit[i];
+    std::array<double, 6> length;
+    std::size_t entry = kRefineHessian;
+    for (int row = 0; row < 6; entry += 6 - row++) length[row] = std::sqrt(std::max(of[entry], 1e-12));
+    entry = kRefineHessian;
+    for (int row = 0; row < 6; ++row) {
+      for (int column = row; column < 6; ++column)
+        out.push_back(static_cast<float>(sums[entry++] / (length[row] * length[column])));
+      const double points = std::sqrt(std::max(of[kRefineUsable], 1.0)) * huber;
+      out.push_back(static_cast<float>(sums[kRefineGradient + row] / (length[row] * points)));
+    }
+    for (const std::size_t k : {kRefineCost, kRefineMostCost, kRefineCostWeight, kRefineUsable, kRefineClose})
+      out.push_back(static_cast<float>(sums[k] / std::max(of[k], 1e-12)));
+  }
+  return out;
+}
+
+std::vector<float> bytesOf(std::span<const std::uint32_t> words) {
+  std::vector<float> out;
+  for (const std::uint32_t word : words)
+    for (int shift = 0; shift < 32; shift += 8) out.push_back(static_cast<float>(word >> shift & 0xFF));
+  return out;
+}
+
+std::vector<float> numbersOf(std::span<const glm::vec4> points) {
+  std::vector<float> out;
+  for (const glm::vec4& p : points) out.insert(out.end(), {p.x, p.y, p.z, p.w});
+  return out;
 }
 
 class Bench {
  public:
-  Bench(Device& device, const BenchOptions& options, SynthSequence sequence, std::vector<glm::vec4> templates)
+  Bench(Device& device, const BenchOptions& options, int threads)
       : device_(device),
         options_(options),
-        sequence_(std::move(sequence)),
-        templates_(std::move(templates)),
-        camera_(toShader(sequence_.intrinsics)),
-        loss_(options.settings.swarm.loss == FitnessLoss::Squared ? Loss::Squared : Loss::Absolute),
-        recorder_(device),
-        volume_(device, volumeOptions(options.settings.volume)),
-        frame_(device, camera_),
-        allocate_(device),
-        integrate_(device) {}
+        threads_(threads),
+        loss_(options.settings.swarm.loss == FitnessLoss::kSquared ? Loss::Squared : Loss::Absolute),
+        scene_(device, options),
+        // The native loops know no colour.
+        twins_(!options.settings.volume.colour) {}
 
   void measureFusion(BenchReport& report) {
-    std::vector<PassTime> preprocess, allocate, integrate;
+    NativePairs preprocess, integrate;
+    std::vector<PassTime> allocate, alone;
+    std::optional<NativeVolume> twin;
+    NativeFrame frame;
+    std::vector<std::uint32_t> slots;
+    double apart = 0;
     // The first round makes the blocks; what is reported is the steady state.
-    for (int round = -1; round < (options_.repeat + 4) / 5; ++round)
-      for (std::size_t i = 0; i < sequence_.frames.size(); ++i) {
-        const PassTime p = timed([&] { load(i); });
-        const PassTime a = timed([&] { allocateBlocks(i); });
-        const PassTime f = timed([&] { integrateFrame(i); });
-        if (round < 0) continue;
-        preprocess.push_back(p);
-        allocate.push_back(a);
-        integrate.push_back(f);
+    for (int round = -1; round < (options_.repeat + 4) / 5; ++round) {
+      const bool counted = round >= 0;
+      for (std::size_t i = 0; i < scene_.frames(); ++i) {
+        preprocess.measure(
+            counted, [&] { scene_.load(i); },
+            [&] { nativePreprocess(scene_.preprocessing(), scene_.raw(i), frame, threads_); });
+        const std::vector<float> depth = scene_.fetch<float>(scene_.frame().depth, frame.depth.size());
+        apart = std::max(apart, pixelsApart(depth, frame));
+        const PassTime a = timed([&] { scene_.allocateBlocks(i); });
+        if (counted) allocate.push_back(a);
+        if (twin)
+          integrate.measure(
+              counted, [&] { scene_.integrate(i); },
+              [&] {
+                scene_.visibleBlocks(i, slots);
+                nativeIntegrate(*twin, slots, depth, scene_.fusion(i), threads_);
+              });
+        else if (const PassTime t = timed([&] { scene_.integrate(i); }); counted)
+          alone.push_back(t);
       }
-    report.preprocess = median(preprocess);
+      if (!counted && twins_) twin.emplace(scene_.volume().download(), scene_.volume().options().voxel_size);
+    }
+    report.preprocess = preprocess.figures();
+    report.preprocess.differing = requireShare(device_.info().name, "preprocess", apart, kPixelsApart);
     report.allocate = median(allocate);
-    report.integrate = median(integrate);
-    report.blocks = volume_.blockCount();
-    report.volume_bytes = volume_.memoryBytes();
+    if (twin) {
+      report.integrate = integrate.figures();
+      report.integrate.differing =
+          requireShare(device_.info().name, "integrate", voxelsApart(*twin), kVoxelsApart);
+    } else {
+      report.integrate.device = median(alone);
+    }
+    report.blocks = scene_.volume().blockCount();
+    report.volume_bytes = scene_.volume().memoryBytes();
   }
 
-  void measureFitness(BenchReport& report, int threads) {
-    const NativeVolume native(volume_.download(), volume_.options().voxel_size);
-    FitnessPass compensated(device_, templates_, loss_, true), plain(device_, templates_, loss_, false);
-    SelectPointsPass select(device_, camera_);
+  void measureFitness(BenchReport& report) {
+    const NativeVolume native(scene_.volume().download(), scene_.volume().options().voxel_size);
+    const std::vector<glm::vec4> templates = templatesFor(options_.settings);
+    FitnessPass compensated(device_, templates, loss_, true), plain(device_, templates, loss_, false);
+    SelectPointsPass select(device_, scene_.camera());
     FitnessFigures& out = report.fitness;
     std::vector<double> device_ns, native_ns, ratios, cpu_ratios, kahan, kahan_cpu;
     for (int run = -1; run < options_.repeat; ++run) {  // the first one warms up
       // Different frames, each with the swarm around its true pose.
-      const std::size_t frame = sequence_.frames.size() - 1 - (run + 1) % (sequence_.frames.size() / 2);
-      load(frame);
+      const std::size_t frame = frameOf(run);
+      scene_.load(frame);
       PassTime with, without, loop;
       std::uint64_t lookups = 0;
-      SwarmPlacement swarm{toShader(truth(frame)), glm::vec4(kTranslationLength), glm::vec4(kRotationLength)};
+      SwarmPlacement swarm{toShader(scene_.truth(frame)), glm::vec4(kTranslationLength),
+                           glm::vec4(kRotationLength)};
       for (const SwarmLevel& level : options_.settings.swarm.levels) {
         swarm.particles = static_cast<std::uint32_t>(level.particles);
-        const std::vector<glm::vec4> points = selectPoints(select, level.pixel_stride);
+        const std::vector<glm::vec4> points = scene_.selectPoints(select, level.pixel_stride);
         const auto evaluate = [&](FitnessPass& pass) {
           return timed([&] {
-            pass.record(recorder_, volume_, select, swarm);
-            recorder_.submit();
+            pass.record(scene_.recorder(), scene_.volume(), select, swarm);
+            scene_.recorder().submit();
           });
         };
         std::vector<float> losses;
         const auto loopOnce = [&] {
-          return timed([&] { losses = nativeLosses(native, templates_, points, swarm, loss_, threads); });
+          return timed([&] { losses = nativeLosses(native, templates, points, swarm, loss_, threads_); });
         };
         // A B A B, and the order turned around in every second run: a load that comes or goes hits all alike.
         for (int half = 0; half < 2; ++half) {
@@ -151,27 +204,49 @@ class Bench {
     out.kahan_cost_cpu_percent = median(kahan_cpu);
   }
 
-  void measureSurface(BenchReport& report) {
-    RaycastPass raycast(device_, camera_);
-    std::vector<PassTime> times;
+  /// Two candidates, as descents that start from the last pose and from the motion model's have them.
+  void measureRefine(BenchReport& report) {
+    const Settings& settings = options_.settings;
+    const NativeVolume native(scene_.volume().download(), scene_.volume().options().voxel_size);
+    const RefineWeights weights{static_cast<float>(settings.refine.huber), toShader(settings.depth),
+                                static_cast<float>(settings.refine.model_noise), settings.refine.front_only};
+    RefinePass refine(device_);
+    SelectPointsPass select(device_, scene_.camera());
+    NativePairs pairs;
+    double apart = 0;
     for (int run = -1; run < options_.repeat; ++run) {
-      const std::size_t frame = std::size_t(run + 1) % sequence_.frames.size();
-      const PassTime t = timed([&] {
-        raycast.record(recorder_, volume_,
-                       {.world_from_camera = toShader(truth(frame)),
-                        .far = static_cast<float>(options_.settings.depth.max)});
-        recorder_.submit();
-      });
-      if (run >= 0) times.push_back(t);
+      const std::size_t frame = frameOf(run);
+      scene_.load(frame);
+      const std::vector<glm::vec4> points = scene_.selectPoints(select, settings.refine.pixel_stride);
+      std::vector<shader::RefineCandidate> candidates;
+      for (const double share : {0.0, 1.0})
+        candidates.push_back(candidateAt(nearTruth(frame, share), scene_.truth(frame - 1)));
+      std::vector<RefineSums> sums;
+      pairs.measure(
+          run >= 0,
+          [&] {
+            refine.record(scene_.recorder(), scene_.volume(), select, candidates, scene_.camera(), weights);
+            scene_.recorder().submit();
+          },
+          [&] {
+            sums = nativeRefine(native, scene_.truncation(), points, candidates, scene_.camera(), weights,
+                                threads_);
+          });
+      apart = std::max(apart, shareApart(comparable(refine.sums(), sums, weights.huber),
+                                         comparable(sums, sums, weights.huber), kSumTolerance));
     }
-    report.raycast = median(times);
+    report.refine = pairs.figures();
+    report.refine.differing = requireShare(device_.info().name, "refine", apart, 0);
+  }
 
+  void measureSurface(BenchReport& report) {
+    measureRaycast(report);
     ExtractPass extract(device_);
-    times.clear();
+    std::vector<PassTime> times;
     for (int run = -1; run < (options_.repeat + 4) / 5; ++run) {
       report.triangles = 0;
       const PassTime t = timed([&] {
-        extract.run(volume_, static_cast<float>(options_.settings.mesh.min_weight),
+        extract.run(scene_.volume(), static_cast<float>(options_.settings.mesh.min_weight),
                     [&](const ExtractBatch& batch) { report.triangles += batch.triangles.size() / 3; });
       });
       if (run >= 0) times.push_back(t);
@@ -180,56 +255,92 @@ class Bench {
   }
 
  private:
-  const Pose& truth(std::size_t frame) const { return sequence_.truth[frame].world_from_camera; }
+  /// Different ones, never the first.
+  std::size_t frameOf(int run) const { return scene_.frames() - 1 - (run + 1) % (scene_.frames() / 2); }
 
-  void load(std::size_t i) {
-    const Frame& frame = sequence_.frames[i];
-    const DepthSettings& depth = options_.settings.depth;
-    frame_.record(recorder_, {frame.depth.ptr<std::uint16_t>(), frame.depth.total()},
-                  static_cast<float>(1 / sequence_.depth_units_per_metre), static_cast<float>(depth.min),
-                  static_cast<float>(depth.max));
-    recorder_.submit();
-    if (frame.colour.empty()) return;
-    std::ranges::copy(packColour(frame.colour), frame_.colourWords().begin());
-    frame_.recordColour(recorder_);
+  /// A centimetre and half a degree off, times `share`.
+  Pose nearTruth(std::size_t frame, double share) const {
+    Pose pose = scene_.truth(frame);
+    pose.translation() += share * Eigen::Vector3d(0.006, -0.005, 0.006);
+    pose.linear() *=
+        Eigen::AngleAxisd(0.008 * share, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
+    return pose;
   }
 
-  void allocateBlocks(std::size_t i) {
-    do {
-      allocate_.record(recorder_, volume_, frame_.frame(), camera_, toShader(truth(i)));
-      recorder_.submit();
-    } while (allocate_.finish(recorder_, volume_));
-    recorder_.submit();
+  shader::RefineCandidate candidateAt(const Pose& pose, const Pose& last) const {
+    const glm::vec4 k = scene_.camera().focal_centre;
+    const glm::mat4 image(k.x, 0, 0, 0, 0, k.y, 0, 0, k.z, k.w, 1, 0, 0, 0, 0, 1);
+    return {toShader(pose), image * toShader(last.inverse() * pose)};
   }
 
-  void integrateFrame(std::size_t i) {
-    integrate_.record(recorder_, volume_, frame_.frame(), camera_, toShader(truth(i).inverse()),
-                      static_cast<float>(options_.settings.depth.max + options_.settings.volume.truncation));
-    recorder_.submit();
+  double pixelsApart(std::span<const float> depth, const NativeFrame& frame) {
+    const std::vector<glm::vec4> points = scene_.fetch<glm::vec4>(scene_.frame().points, frame.points.size());
+    const DepthReach reach = scene_.frame().reach();
+    return std::max({shareApart(depth, frame.depth, kDepthTolerance),
+                     shareApart(numbersOf(points), numbersOf(frame.points), kDepthTolerance),
+                     shareApart(reach.farthest, frame.tiles, kDepthTolerance)});
   }
 
-  /// Also as the host sees them.
-  std::vector<glm::vec4> selectPoints(SelectPointsPass& select, int stride) {
-    select.record(recorder_, frame_.frame(), {stride, stride / 2, stride / 2}, nullptr);
-    recorder_.submit();
-    const Buffer mapped(device_, sizeof(glm::vec4) * std::max(select.selected(), 1u), Memory::Readback);
-    recorder_.copy(select.points(), mapped, mapped.bytes());
-    recorder_.submit();
-    const auto points = mapped.as<glm::vec4>().first(select.selected());
-    return {points.begin(), points.end()};
+  double voxelsApart(const NativeVolume& twin) {
+    const NativeVolume now(scene_.volume().download(), twin.voxel_size);
+    const auto asFloats = [](const auto& numbers, float unit) {
+      std::vector<float> out;
+      for (const auto number : numbers) out.push_back(static_cast<float>(number) * unit);
+      return out;
+    };
+    const float unit = 1 / (shader::kWeightOne * scene_.volume().options().max_weight);
+    return std::max(
+        shareApart(asFloats(now.codes, kTsdfOfCode), asFloats(twin.codes, kTsdfOfCode), kTsdfTolerance),
+        shareApart(asFloats(now.units, unit), asFloats(twin.units, unit), kWeightTolerance));
+  }
+
+  void measureRaycast(BenchReport& report) {
+    RaycastPass raycast(device_, scene_.camera());
+    const NativeVolume native(scene_.volume().download(), scene_.volume().options().voxel_size);
+    NativePairs pairs;
+    NativeView twin;
+    std::vector<PassTime> alone;
+    double apart = 0;
+    for (int run = -1; run < options_.repeat; ++run) {
+      const std::size_t frame = std::size_t(run + 1) % scene_.frames();
+      const RaycastView view{.world_from_camera = toShader(scene_.truth(frame)),
+                             .far = static_cast<float>(options_.settings.depth.max)};
+      const auto cast = [&] {
+        raycast.record(scene_.recorder(), scene_.volume(), view);
+        scene_.recorder().submit();
+      };
+      if (twins_) {
+        pairs.measure(run >= 0, cast, [&] {
+          nativeRaycast(native, scene_.truncation(), scene_.camera(), view, twin, threads_);
+        });
+        apart = std::max(apart, raysApart(raycast, twin));
+      } else if (const PassTime t = timed(cast); run >= 0) {
+        alone.push_back(t);
+      }
+    }
+    if (twins_) {
+      report.raycast = pairs.figures();
+      report.raycast.differing = requireShare(device_.info().name, "raycast", apart, kRaysApart);
+    } else {
+      report.raycast.device = median(alone);
+    }
+  }
+
+  double raysApart(const RaycastPass& raycast, const NativeView& twin) const {
+    const auto words = raycast.surface().as<std::uint32_t>().first(2 * twin.depth.size());
+    std::vector<float> depth;
+    for (std::size_t i = 0; i < twin.depth.size(); ++i)
+      depth.push_back(std::bit_cast<float>(words[2 * i + 1]));
+    return std::max(shareApart(depth, twin.depth, kHitTolerance * options_.settings.volume.voxel_size),
+                    shareApart(bytesOf(raycast.preview()), bytesOf(twin.picture), kShadeTolerance));
   }
 
   Device& device_;
   const BenchOptions& options_;
-  const SynthSequence sequence_;
-  const std::vector<glm::vec4> templates_;
-  const shader::CameraIntrinsics camera_;
+  const int threads_;
   const Loss loss_;
-  Recorder recorder_;
-  Volume volume_;
-  PreprocessPass frame_;
-  AllocatePass allocate_;
-  IntegratePass integrate_;
+  BenchScene scene_;
+  const bool twins_;
 };
 
 }  // namespace
@@ -262,11 +373,13 @@ BenchReport benchPasses(Device& device, const BenchOptions& options,
   report.voxel_size = options.settings.volume.voxel_size;
   report.repeat = options.repeat;
   say("making the sequence");
-  Bench bench(device, options, sequenceFor(options), templatesFor(options.settings));
+  Bench bench(device, options, threads);
   say("preprocess, allocate, integrate");
   bench.measureFusion(report);
   say("fitness");
-  bench.measureFitness(report, threads);
+  bench.measureFitness(report);
+  say("refine");
+  bench.measureRefine(report);
   say("raycast, extract");
   bench.measureSurface(report);
   return report;

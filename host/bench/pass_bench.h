@@ -26,6 +26,14 @@ struct PassTime {
   double cpu_ms = 0;
 };
 
+/// A pass beside its native loop on the same data, both on all cores.
+struct PairedTime {
+  PassTime device, native;
+  double ratio = 0;      ///< device / native, median of neighbouring measurements; 0: there is no native loop
+  double cpu_ratio = 0;  ///< the same by CPU time; meaningful for CPU devices
+  double differing = 0;  ///< largest share of results that differ by more than rounding
+};
+
 /// The fitness pass, all levels of one round of the swarm together, against nativeLosses on the same data.
 struct FitnessFigures {
   double ns_per_lookup = 0;
@@ -40,13 +48,18 @@ struct FitnessFigures {
 
 struct BenchReport {
   DeviceInfo device;
-  std::string native;  ///< instruction set and threads of the native loop
+  std::string native;  ///< instruction set and threads of the native loops
   double voxel_size = 0;
   std::uint32_t blocks = 0;
   std::uint64_t volume_bytes = 0;
   int repeat = 0;
   FitnessFigures fitness;
-  PassTime preprocess, allocate, integrate, raycast, extract;
+  PairedTime preprocess;
+  PassTime allocate;
+  PairedTime integrate;  ///< without native loop where colour is fused
+  PairedTime refine;
+  PairedTime raycast;  ///< without native loop where the volume has colour
+  PassTime extract;
   std::uint64_t triangles = 0;  ///< that extract gave
 };
 
@@ -62,7 +75,7 @@ inline constexpr double kMeanLossTolerance = 1e-4;
 double requireAgreement(const std::string& device_name, std::span<const float> device,
                         std::span<const float> native, std::size_t points);
 
-/// `progress` is told what is being measured. Throws std::runtime_error when the device's losses are not the
+/// `progress` is told what is being measured. Throws std::runtime_error when a pass's results are not its
 /// native loop's, DeviceError and InputError as Pipeline does.
 BenchReport benchPasses(Device& device, const BenchOptions& options,
                         const std::function<void(const std::string&)>& progress = {});

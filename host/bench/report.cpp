@@ -12,6 +12,19 @@ nlohmann::ordered_json toJson(const PassTime& time, bool cpu_device) {
   return json;
 }
 
+nlohmann::ordered_json toJson(const PairedTime& time, bool cpu_device) {
+  nlohmann::ordered_json json = toJson(time.device, cpu_device);
+  if (time.ratio == 0) return json;
+  json["native_ms"] = time.native.ms;
+  json["ratio"] = time.ratio;
+  if (cpu_device) {
+    json["native_cpu_ms"] = time.native.cpu_ms;
+    json["cpu_ratio"] = time.cpu_ratio;
+  }
+  json["differing_share"] = time.differing;
+  return json;
+}
+
 std::string line(const char* name, const char* format, auto... values) {
   return printed("  %-12s", name) + printed(format, values...) + "\n";
 }
@@ -19,6 +32,14 @@ std::string line(const char* name, const char* format, auto... values) {
 std::string line(const char* name, const PassTime& time, bool cpu_device) {
   return cpu_device ? line(name, "%9.2f ms   (%.2f ms of CPU time)", time.ms, time.cpu_ms)
                     : line(name, "%9.2f ms", time.ms);
+}
+
+std::string line(const char* name, const PairedTime& time, bool cpu_device) {
+  std::string out = line(name, time.device, cpu_device);
+  if (time.ratio == 0) return out;
+  out += line("  native", time.native, cpu_device);
+  return out + (cpu_device ? line("  ratio", "%9.2f      (%.2f by CPU time)", time.ratio, time.cpu_ratio)
+                           : line("  ratio", "%9.2f", time.ratio));
 }
 
 }  // namespace
@@ -47,6 +68,7 @@ nlohmann::ordered_json benchJson(const BenchReport& r) {
       {"preprocess", toJson(r.preprocess, cpu)},
       {"allocate", toJson(r.allocate, cpu)},
       {"integrate", toJson(r.integrate, cpu)},
+      {"refine", toJson(r.refine, cpu)},
       {"raycast", toJson(r.raycast, cpu)},
       {"extract", extract}};
 }
@@ -54,16 +76,17 @@ nlohmann::ordered_json benchJson(const BenchReport& r) {
 std::string benchTable(const BenchReport& r) {
   const bool cpu = r.device.type == DeviceType::Cpu;
   const FitnessFigures& f = r.fitness;
-  std::string out = r.device.name + ", " + r.device.driver + "\n";
+  std::string out = r.device.name + ", " + r.device.driver + "; native loops: " + r.native + "\n";
   out += line("volume", "%9u blocks of %.1f cm voxels, %.0f MB", r.blocks, 100 * r.voxel_size,
               static_cast<double>(r.volume_bytes) / 1e6);
   out += line("preprocess", r.preprocess, cpu);
   out += line("allocate", r.allocate, cpu);
   out += line("integrate", r.integrate, cpu);
+  out += line("refine", r.refine, cpu);
   out += line("raycast", r.raycast, cpu);
   out += line("extract", r.extract, cpu);
   out += line("fitness", "%9.2f ns per lookup", f.ns_per_lookup);
-  out += line("  native", "%9.2f ns per lookup (%s)", f.native_ns_per_lookup, r.native.c_str());
+  out += line("  native", "%9.2f ns per lookup", f.native_ns_per_lookup);
   out += cpu ? line("  ratio", "%9.2f      (%.2f by CPU time)", f.ratio, f.cpu_ratio)
              : line("  ratio", "%9.2f", f.ratio);
   out += cpu ? line("  Kahan", "%+9.1f %%    (%+.1f %% by CPU time)", f.kahan_cost_percent,

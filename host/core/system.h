@@ -15,6 +15,9 @@ bool isTerminal(std::FILE* stream);
 /// The kernel in words, such as "Linux 6.1.0, x86_64".
 std::string kernelName();
 
+/// The processor's name, or "not told".
+std::string processorName();
+
 /// Processor time of all threads of this process, seconds.
 double processorSeconds();
 
@@ -25,6 +28,11 @@ std::filesystem::path makeUniqueFolder(const std::filesystem::path& beginning);
 /// Makes or empties `file` and writes all of `bytes`, however often the system interrupts it or takes less
 /// than it is given. The system's error code, 0 when all has gone well.
 int writeBytes(const std::filesystem::path& file, std::string_view bytes);
+
+/// Appends `line` and its end to `file`, which is made where it is missing, with one write, so that lines of
+/// several programs do not mix; begins a new line where the last one has no end. What could not be written
+/// whole is taken back. The system's error code, 0 when all has gone well.
+int appendLine(const std::filesystem::path& file, std::string_view line);
 
 /// Appends all of a file to `bytes`, as writeBytes() writes.
 int readBytes(const std::filesystem::path& file, std::string& bytes);

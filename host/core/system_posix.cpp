@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <ctime>
+#include <fstream>
 
 #include "host/core/system.h"
 
@@ -21,6 +22,14 @@ std::string kernelName() {
   utsname system{};
   if (uname(&system) != 0) return "unknown";
   return std::string(system.sysname) + " " + system.release + ", " + system.machine;
+}
+
+std::string processorName() {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);)
+    if (const std::size_t colon = line.find(": "); colon != line.npos && line.starts_with("model name"))
+      return line.substr(colon + 2);
+  return "not told";
 }
 
 bool isTerminal(std::FILE* stream) {
@@ -65,6 +74,22 @@ int writeBytes(const std::filesystem::path& file, std::string_view bytes) {
       error = written < 0 ? errno : EIO;
   }
   // Interrupted or not, it is closed; some disks tell only now that they are full.
+  if (close(out) < 0 && errno != EINTR && !error) error = errno;
+  return error;
+}
+
+int appendLine(const std::filesystem::path& file, std::string_view line) {
+  const int out =
+      uninterrupted([&] { return open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666); });
+  if (out < 0) return errno;
+  (void)flock(out, LOCK_EX);  // for the end of the file, and for taking back
+  const off_t end = lseek(out, 0, SEEK_END);
+  char last = '\n';
+  if (end > 0) (void)uninterrupted([&] { return pread(out, &last, 1, end - 1); });
+  const std::string bytes = (last == '\n' ? "" : "\n") + std::string(line) + "\n";
+  const ssize_t written = uninterrupted([&] { return write(out, bytes.data(), bytes.size()); });
+  int error = written < 0 ? errno : written < static_cast<ssize_t>(bytes.size()) ? ENOSPC : 0;
+  if (error && written > 0 && end >= 0 && ftruncate(out, end) != 0) error = errno;
   if (close(out) < 0 && errno != EINTR && !error) error = errno;
   return error;
 }

@@ -7,6 +7,7 @@
 #include <windows.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <random>
 
 #include "host/core/system.h"
@@ -36,6 +37,11 @@ std::string kernelName() {
   return "Windows";
 }
 
+std::string processorName() {
+  const char* name = std::getenv("PROCESSOR_IDENTIFIER");
+  return name ? name : "not told";
+}
+
 bool isTerminal(std::FILE* stream) {
   return _isatty(_fileno(stream)) != 0;
 }
@@ -63,6 +69,19 @@ int writeBytes(const std::filesystem::path& file, std::string_view bytes) {
   if (!out) return errno;
   int error = 0;
   errno = 0;
+  if (std::fwrite(bytes.data(), 1, bytes.size(), out) != bytes.size() || std::fflush(out) != 0)
+    error = errno ? errno : EIO;
+  if (std::fclose(out) != 0 && !error) error = errno;
+  return error;
+}
+
+int appendLine(const std::filesystem::path& file, std::string_view line) {
+  std::FILE* out = _wfopen(file.c_str(), L"ab+");
+  if (!out) return errno;
+  int error = 0;
+  errno = 0;
+  const bool begun = std::fseek(out, -1, SEEK_END) == 0 && std::fgetc(out) != '\n';
+  const std::string bytes = (begun ? "\n" : "") + std::string(line) + "\n";
   if (std::fwrite(bytes.data(), 1, bytes.size(), out) != bytes.size() || std::fflush(out) != 0)
     error = errno ? errno : EIO;
   if (std::fclose(out) != 0 && !error) error = errno;

@@ -19,6 +19,9 @@ WRITTEN_POOL(setColourWord, colour, kIntegrateBindColour)
 READ_WRITTEN_POOL(colour, kIntegrateBindColourTexels)
 CHUNK_FUNCTION(uint, colourWord, colour_0, colour_1, colour_2, colour_3)
 
+// A constant: llvmpipe runs what stands behind a condition with all lanes masked, for colours that are nowhere.
+layout(constant_id = 1) const bool kFuseColour = true;
+
 layout(local_size_x = kIntegrateGroup) in;
 PUSHED_PARAMETERS(IntegrateParams)
 BLOCKS(kIntegrateBindBlocks)
@@ -86,7 +89,7 @@ void fuse(Sight sight, inout float tsdf, inout float weight, uint chunk, uint co
   float before = anew ? 0.0 : weight;
   tsdf = (tsdf * before + value * gain) / (before + gain);
   weight = min(before + gain, max_weight);
-  if (params.size.w != 0 && sight.distance_ < truncation) fuseColour(chunk, colour, colourAt(uint(sight.pixel)), anew);
+  if (kFuseColour && sight.distance_ < truncation) fuseColour(chunk, colour, colourAt(uint(sight.pixel)), anew);
 }
 
 void main() {

@@ -67,6 +67,9 @@ TEST(CommandLine, BadInputEndsInOneSentenceThatNamesIt) {
                         Case{"bench --suite tracking --scene desk", "--scene"},
                         Case{"bench --suite tracking --repeat 3", "--repeat"},
                         Case{"bench --rooms 3", "--rooms"},
+                        Case{"bench --history /dev/null/h.jsonl", "/dev/null"},
+                        Case{"bench --compare /nowhere/a.json /nowhere/b.json", "/nowhere/a.json"},
+                        Case{"bench --suite tracking --compare a b", "--compare"},
                         Case{"bench --suite tracking --max-speed 90", "--max-speed"},
                         Case{"synth " + empty + "/s --noise loud", "--noise"},
                         Case{"synth " + empty + "/s --motion rotation --speed 2", "--speed"},
@@ -168,6 +171,17 @@ TEST(CommandLine, PointCloudsAreCompared) {
   const Outcome outcome = program("eval-mesh " + cloud + " " + cloud);
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_THAT(outcome.text, HasSubstr("2 on the reconstruction, 2 on the truth"));
+}
+
+TEST(CommandLine, FiguresOfTwoBenchesAreCompared) {
+  const TemporaryFolder folder;
+  const std::string begin = "{\"device\": {\"name\": \"GPU\"}, \"fitness\": {\"ns_per_lookup\": ";
+  const std::string history = folder.write("h.jsonl", begin + "2}}\n" + begin + "3}}\n");
+  const Outcome outcome = program("bench --compare " + history + "#1 " + history);
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text,
+              ::testing::AllOf(HasSubstr("GPU"), HasSubstr("fitness ns_per_lookup"), HasSubstr("1.500")));
+  EXPECT_EQ(program("bench --compare " + history + "#3 " + history).code, kExitBadInput);
 }
 
 TEST(CommandLine, InterruptFinishesTheFiles) {

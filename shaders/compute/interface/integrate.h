@@ -24,7 +24,7 @@ const uint kIntegrateTexelBindings = 29u;
 struct IntegrateParams {
   mat4 camera_from_world;
   vec4 focal_centre;
-  ivec4 size;         // width, height, listed blocks, 1 when colour is fused
+  ivec4 size;         // width, height, listed blocks; w: unused
   float noise_floor;  // see lib/depth_noise.glsl; the weight of a depth is its inverse variance, 1 when near
   float noise_growth;
   float bias_growth;

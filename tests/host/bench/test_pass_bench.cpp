@@ -19,6 +19,11 @@ TEST(PassBench, ReportHasTheRequiredFigures) {
   options.settings.volume.voxel_size = 0.04;
   options.settings.volume.truncation = 0.12;
   options.settings.volume.colour = false;
+  options.settings.volume.thin_walls = true;
+  options.settings.depth.edge_sigmas = 4;
+  options.settings.depth.footprint = true;
+  options.settings.refine.model_noise = 0.01;
+  options.settings.refine.front_only = true;
   options.settings.tracking.templates_per_level = 1;
   options.settings.swarm.levels = {{256, 32}, {128, 16}};
   Device device;
@@ -26,9 +31,15 @@ TEST(PassBench, ReportHasTheRequiredFigures) {
   std::filesystem::remove_all(cache);
 
   const nlohmann::ordered_json json = benchJson(report);
-  for (const char* key : {"/fitness/ns_per_lookup", "/fitness/native_ns_per_lookup", "/fitness/ratio",
-                          "/preprocess/ms", "/allocate/ms", "/integrate/ms", "/raycast/ms", "/extract/ms"})
+  for (const char* key :
+       {"/fitness/ns_per_lookup", "/fitness/native_ns_per_lookup", "/fitness/ratio", "/preprocess/ms",
+        "/allocate/ms", "/integrate/ms", "/refine/ms", "/raycast/ms", "/extract/ms", "/preprocess/ratio",
+        "/integrate/ratio", "/refine/ratio", "/raycast/ratio", "/refine/native_ms"})
     EXPECT_GT(json.at(nlohmann::ordered_json::json_pointer(key)).get<double>(), 0) << key;
+  for (const char* pass : {"preprocess", "integrate", "refine", "raycast"}) {
+    EXPECT_LT(json.at(pass).at("differing_share").get<double>(), 0.01) << pass;
+    EXPECT_NE(benchTable(report).find(pass), std::string::npos);
+  }
   EXPECT_TRUE(json.at("fitness").at("kahan_cost_percent").is_number());
   EXPECT_EQ(json.at("device").at("name"), device.info().name);
   EXPECT_GT(report.triangles, 1000u);
