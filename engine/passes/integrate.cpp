@@ -24,14 +24,13 @@ void IntegratePass::record(Recorder& recorder, const Volume& volume, const Devic
   std::memcpy(visible_.as<char>().data(), slots_.data(), bytes);
 
   const bool colour = volume.options().colour && frame.has_colour;
-  const IntegrateParams params{
-      camera_from_world,
-      camera.focal_centre,
-      glm::ivec4(camera.size.x, camera.size.y, static_cast<int>(slots_.size()), 0),
-      noise.floor,
-      noise.growth,
-      noise.bias_growth,
-      volume.options().thin_walls};
+  const IntegrateParams params{camera_from_world,
+                               camera.focal_centre,
+                               glm::ivec4(camera.size.x, camera.size.y, static_cast<int>(slots_.size()), 0),
+                               noise.floor,
+                               noise.growth,
+                               noise.bias_growth,
+                               volume.options().thin_walls};
   std::vector<BoundBuffers> buffers{volume.layoutBuffer(), volume.blockBuffer(), visible_,
                                     frame.depth,           frame.colour,         volume.tsdf(),
                                     volume.weight(),       volume.colour()};

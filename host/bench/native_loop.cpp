@@ -6,17 +6,17 @@ InstructionSet instructionSet() {
 #ifdef __x86_64__
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
       __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
-    return InstructionSet::kAvx512;
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return InstructionSet::kAvx2;
+    return InstructionSet::Avx512;
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return InstructionSet::Avx2;
 #endif
-  return InstructionSet::kPlain;
+  return InstructionSet::Plain;
 }
 
 std::string nativeInstructionSet() {
   switch (instructionSet()) {
-    case InstructionSet::kAvx512:
+    case InstructionSet::Avx512:
       return "AVX-512";
-    case InstructionSet::kAvx2:
+    case InstructionSet::Avx2:
       return "AVX2";
     default:
       return "the compiler's default";

@@ -10,7 +10,7 @@ namespace rosefusion {
 
 inline constexpr int kLanes = 16;  // one AVX-512 register, two of AVX2
 
-enum class InstructionSet { kPlain, kAvx2, kAvx512 };
+enum class InstructionSet { Plain, Avx2, Avx512 };
 /// The best that this machine has of those that the loops are compiled for.
 InstructionSet instructionSet();
 /// The same in words.
@@ -61,9 +61,9 @@ void inParallel(std::uint32_t pieces, int threads, const Work& work) {
   template <typename... Arguments>                                                                       \
   void NAME(Arguments&&... arguments) {                                                                  \
     switch (instructionSet()) {                                                                          \
-      case InstructionSet::kAvx512:                                                                      \
+      case InstructionSet::Avx512:                                                                       \
         return NAME##Avx512(arguments...);                                                               \
-      case InstructionSet::kAvx2:                                                                        \
+      case InstructionSet::Avx2:                                                                         \
         return NAME##Avx2(arguments...);                                                                 \
       default:                                                                                           \
         return NAME##Plain(arguments...);                                                                \

@@ -97,7 +97,7 @@ class Bench {
       : device_(device),
         options_(options),
         threads_(threads),
-        loss_(options.settings.swarm.loss == FitnessLoss::kSquared ? Loss::Squared : Loss::Absolute),
+        loss_(options.settings.swarm.loss == FitnessLoss::Squared ? Loss::Squared : Loss::Absolute),
         scene_(device, options),
         // The native loops know no colour.
         twins_(!options.settings.volume.colour) {}

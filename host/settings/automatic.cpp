@@ -111,7 +111,7 @@ Settings resolved(Settings settings, const std::optional<SceneMeasures>& scene) 
   if (scene && hasAutomatic(settings))
     settings.tracking.min_valid_share =
         std::min(settings.tracking.min_valid_share, kShareOfFirst * scene->valid_share);
-  const bool by_recording = settings.depth.sensor == DepthSensor::kAuto && scene;
+  const bool by_recording = settings.depth.sensor == DepthSensor::Auto && scene;
   if (const SensorModel* named =
           by_recording ? sensorModel(scene->sensor) : sensorModel(settings.depth.sensor)) {
     const bool contradicted = scene && isNoisierThan(*named, *scene);

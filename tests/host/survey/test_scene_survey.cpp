@@ -106,15 +106,15 @@ TEST(SceneSurvey, DepthFarNoisierThanTheSensorNamedIsTakenAsMeasured) {
 TEST(SceneSurvey, WhatTheRecordingSaysIsBelievedAboutAsMuch) {
   auto smooth = survey(floorFrom(1, kinect)), noisy = survey(floorFrom(1, stereo));
   smooth->sensor = noisy->sensor = "azure";
-  EXPECT_EQ(resolved(automatic(), smooth).depth.sensor, DepthSensor::kAzure) << "the noise is a kinect1's";
+  EXPECT_EQ(resolved(automatic(), smooth).depth.sensor, DepthSensor::Azure) << "the noise is a kinect1's";
   EXPECT_THAT(choicesOf(automatic(), resolved(automatic(), smooth), smooth).back(),
               HasSubstr("of a sensor azure"));
-  EXPECT_EQ(resolved(automatic(), noisy).depth.sensor, DepthSensor::kD400) << "far noisier";
+  EXPECT_EQ(resolved(automatic(), noisy).depth.sensor, DepthSensor::D400) << "far noisier";
   Settings asked = automatic();
   applyAssignment(asked, "depth.sensor=kinect2");
-  EXPECT_EQ(resolved(asked, smooth).depth.sensor, DepthSensor::kKinect2) << "the user knows better";
+  EXPECT_EQ(resolved(asked, smooth).depth.sensor, DepthSensor::Kinect2) << "the user knows better";
   smooth->sensor = "another";
-  EXPECT_EQ(resolved(automatic(), smooth).depth.sensor, DepthSensor::kKinect1);
+  EXPECT_EQ(resolved(automatic(), smooth).depth.sensor, DepthSensor::Kinect1);
 }
 
 TEST(SceneSurvey, VoxelsFollowTheSizeOfTheView) {
