@@ -15,6 +15,9 @@ bool isTerminal(std::FILE* stream);
 /// The kernel in words, such as "Linux 6.1.0, x86_64".
 std::string kernelName();
 
+/// This process's number, which a child of fork() does not share.
+std::uint64_t processNumber();
+
 /// Processor time of all threads of this process, seconds.
 double processorSeconds();
 

@@ -36,6 +36,10 @@ std::string kernelName() {
   return "Windows";
 }
 
+std::uint64_t processNumber() {
+  return GetCurrentProcessId();
+}
+
 bool isTerminal(std::FILE* stream) {
   return _isatty(_fileno(stream)) != 0;
 }
