@@ -19,7 +19,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kBetweenLooks = 50ms;
+constexpr auto kBetweenLooks = 10ms;
 #ifdef _WIN32
 constexpr int kBothWays = SD_BOTH;
 #else

@@ -22,7 +22,7 @@ constexpr std::size_t kLiveFrames = 2;  // of a live camera that wait to be trac
 constexpr std::size_t kMostRefusals = 100;  // different sentences that are remembered
 constexpr auto kSaySilentAfter = 5s;
 constexpr auto kReceiveSlice = 50ms;  // between questions whether to stop
-constexpr auto kWait = 200ms, kWaitForStrangers = 50ms;
+constexpr auto kWait = 200ms, kWaitForStrangers = 10ms;
 constexpr int kMessagesAtATime = 64;  // so that connections, keys and the end are seen to in between
 constexpr auto kFarewell = 1000;      // milliseconds for the last answer to leave
 constexpr const char* kZap = "inproc://zeromq.zap.01";
@@ -48,6 +48,7 @@ struct StreamReceiver::Impl {
   std::uint64_t window_told = 0;
   bool ended = false;
   std::optional<Strangers> strangers;
+  Clock::time_point said_ended{};
   // Shared.
   mutable std::mutex mutex;
   std::condition_variable changed;
@@ -146,7 +147,9 @@ struct StreamReceiver::Impl {
     } else if (strangers->went(static_cast<int>(connection))) {
       refuse("refused a connection: it said nothing valid, speaks another protocol, or announced more than " +
              std::to_string(wire::kMaxMessageBytes >> 20) + " MiB");
-    } else if (!ended) {
+    } else if (!ended &&
+               Clock::now() - said_ended > kSaySilentAfter) {  // who repeats a sender may come and go
+      said_ended = Clock::now();
       spdlog::info("{}: a connection ended", endpoint);
     }
   }
