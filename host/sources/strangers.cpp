@@ -58,6 +58,17 @@ void Strangers::becameKnown(int connection) {
   strangers_.erase(connection);
 }
 
+void Strangers::spokeNonsense(int connection) {
+  const auto found = strangers_.find(connection);
+  if (found != strangers_.end() && ++found->second.nonsense == kMostNonsense)
+    breakOff(connection, found->second);
+}
+
+bool Strangers::isBrokenOff(int connection) const {
+  const auto found = strangers_.find(connection);
+  return found != strangers_.end() && found->second.broken_off;
+}
+
 bool Strangers::went(int connection) {
   known_.erase(connection);
   return strangers_.erase(connection) > 0;

@@ -14,6 +14,7 @@ class Strangers {
  public:
   static constexpr std::size_t kMost = 64;
   static constexpr std::uint64_t kMostBytes = 1 << 20;  ///< a sender's first message is of 112
+  static constexpr int kMostNonsense = 16;
   static constexpr std::chrono::seconds kLongest{10};
 
   /// `port`: of the receiver; no other sockets are touched.
@@ -22,6 +23,10 @@ class Strangers {
   void came(int connection);
   /// It has said something valid.
   void becameKnown(int connection);
+  /// It has said something else, which it may do kMostNonsense times.
+  void spokeNonsense(int connection);
+  /// What it still says need not be read.
+  bool isBrokenOff(int connection) const;
   /// Whether it was one until its end.
   bool went(int connection);
   /// Breaks off who says too much (where the system counts it: Linux) or stays too long, and the oldest of
@@ -35,6 +40,7 @@ class Strangers {
     Clock::time_point since;
     bool too_loud = false;  ///< once more, and it goes: what it said first may not be read yet
     bool broken_off = false;
+    int nonsense = 0;
   };
 
   void breakOff(int connection, Stranger& stranger);

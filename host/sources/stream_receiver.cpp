@@ -188,8 +188,10 @@ struct StreamReceiver::Impl {
         (void)socket.recv(part, zmq::recv_flags::none);
         if (parts++ == 0) body.copy(part);
       }
+      const int connection = zmq_msg_get(body.handle(), ZMQ_SRCFD);
+      if (strangers->isBrokenOff(connection)) continue;
       if (parts == 1)
-        onMessage(from, bytesOf(body), zmq_msg_get(body.handle(), ZMQ_SRCFD));
+        onMessage(from, bytesOf(body), connection);
       else
         refuse("refused a message: it has more than one part");
     }
@@ -219,6 +221,7 @@ struct StreamReceiver::Impl {
       accept(*message, problem);
     }
     if (!problem.empty()) {
+      strangers->spokeNonsense(connection);
       refuse("refused a message: " + problem);
       send(from, wire::packRefusal(peer_session, problem + "."));
       return;
