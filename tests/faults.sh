@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Nothing breaks the program: faults.sh [SECONDS [KILLS]], 300 seconds for each kind of fault and 100 kills by default.
-# Single Vulkan commands and file functions fail in run, synth, eval, export, the viewer and the library, and run, synth
-# and the viewer are killed: tests/faults/faults.sh and kills.sh, where a seed repeats what was found.
+# Single Vulkan commands and file functions fail in run, synth, eval, export, the viewer and the library, and run, synth,
+# the viewer and both ends of a stream are killed: tests/faults/faults.sh and kills.sh, where a seed repeats what was found.
+# What takes minutes of its own is not called from here: hostile.sh and long.sh there.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -1,10 +1,15 @@
 #!/usr/bin/env bash
-# Random bytes for every parser, under the sanitizers: fuzz.sh [SECONDS [PARSER...]], 10 seconds each by default. Needs Clang 14.
+# Random bytes for every parser, under the sanitizers: fuzz.sh [SECONDS | --runs N] [PARSER...], 10 seconds each by default,
+# or as many executions. Needs Clang 14.
 # Starts from tests/fuzz/corpus; what it found new lies in build/fuzz/found, and an input that broke something beside it.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-seconds=${1:-10}
+limit=-max_total_time=${1:-10}
+if [[ ${1:-} == --runs ]]; then
+  limit=-runs=${2:?"fuzz: --runs needs a number"}
+  shift
+fi
 shift || true
 parsers=("$@")
 if [[ ${#parsers[@]} -eq 0 ]]; then
@@ -23,10 +28,11 @@ for parser in "${parsers[@]}"; do
   case "$parser" in bag | db3 | mcap | mkv) cp -n "tests/fixtures/recordings/small.$parser" "build/fuzz/found/$parser/" ;; esac
   log=build/fuzz/$parser.log
   # 2 GB in all and 256 MB at once: no parser may believe a size that the bytes do not hold.
-  if ROSEFUSION_FUZZ=$parser build/fuzz/tests/fuzz/fuzz_parsers -max_total_time="$seconds" -max_len=16384 -timeout=20 \
+  if ROSEFUSION_FUZZ=$parser build/fuzz/tests/fuzz/fuzz_parsers "$limit" -max_len=16384 -timeout=20 \
     -rss_limit_mb=2048 -malloc_limit_mb=256 -artifact_prefix="build/fuzz/$parser-" -close_fd_mask=1 -print_final_stats=1 \
     "build/fuzz/found/$parser" "tests/fuzz/corpus/$parser" >"$log" 2>&1; then
-    echo "fuzz: $parser, $(sed -n 's/^stat::number_of_executed_units: *//p' "$log") executions"
+    echo "fuzz: $parser, $(sed -n 's/^stat::number_of_executed_units: *//p' "$log") executions," \
+      "$(sed -n 's/^stat::average_exec_per_sec: *//p' "$log") a second"
   else
     tail -n 40 "$log" >&2
     echo "fuzz: $parser broke; the input is build/fuzz/$parser-*, the whole log $log" >&2

@@ -78,7 +78,7 @@ void send(const SendOptions& o) {
     }
     // A camera that was stopped by Ctrl-C has ended all the same.
     const bool say_end = whole || options.live;
-    const bool told = say_end && sender.finish([&] { return !options.live && interrupted(); });
+    const bool told = say_end && sender.finish(interrupted);
     whole = whole && told;
   }
   report(o, sender.counts(), passed_over);

@@ -3,6 +3,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "apps/python/others_may_run.h"
 #include "rosefusion/reconstructor.h"
 #ifdef ROSEFUSION_RECORDINGS
 #include "apps/python/recordings.h"
@@ -80,12 +81,14 @@ struct PyReconstructor {
                                                           ? (value.cast<bool>() ? "true" : "false")
                                                           : std::string(py::str(value))});
           options.log = [](LogLevel level, const std::string& sentence) {
-            const py::gil_scoped_acquire python;
-            py::module_::import("logging")
-                .attr("getLogger")("rosefusion")
-                .attr(level == LogLevel::Warning ? "warning" : "info")(sentence);
+            unlessPythonEnded([&] {
+              const py::gil_scoped_acquire python;
+              py::module_::import("logging")
+                  .attr("getLogger")("rosefusion")
+                  .attr(level == LogLevel::Warning ? "warning" : "info")(sentence);
+            });
           };
-          const py::gil_scoped_release others_may_run;
+          const OthersMayRun others_may_run;
           return Reconstructor(its_camera, options);
         }()) {}
 
@@ -93,18 +96,18 @@ struct PyReconstructor {
                  const std::optional<PoseArray>& motion) {
     DepthFrame frame = toFrame(camera, depth, timestamp, rgb);
     if (motion) frame.motion = toMotion(*motion);
-    const py::gil_scoped_release others_may_run;
+    const OthersMayRun others_may_run;
     return reconstructor.process(frame);
   }
   void integrate(const DepthArray& depth, const PoseArray& pose, double timestamp,
                  const std::optional<ColourArray>& rgb) {
     const DepthFrame frame = toFrame(camera, depth, timestamp, rgb);
     const Matrix matrix = toMatrix(pose);
-    const py::gil_scoped_release others_may_run;
+    const OthersMayRun others_may_run;
     reconstructor.integrate(frame, matrix);
   }
   Mesh mesh() {
-    const py::gil_scoped_release others_may_run;
+    const OthersMayRun others_may_run;
     return reconstructor.mesh();
   }
   py::list trajectory() const {

@@ -5,6 +5,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "apps/python/others_may_run.h"
 #include "host/core/error.h"
 #include "host/datasets/sequence.h"
 #include "rosefusion/types.h"
@@ -52,7 +53,7 @@ class Recording {
     std::string problem;
     bool usable = false;
     {
-      const py::gil_scoped_release others_may_run;
+      const OthersMayRun others_may_run;
       usable = sequence_->read(index, frame, problem);
     }
     if (!problem.empty())

@@ -18,6 +18,9 @@ std::string kernelName();
 /// The processor's name, or "not told".
 std::string processorName();
 
+/// This process's number, which a child of fork() does not share.
+std::uint64_t processNumber();
+
 /// Processor time of all threads of this process, seconds.
 double processorSeconds();
 

@@ -106,6 +106,10 @@ int readBytes(const std::filesystem::path& file, std::string& bytes) {
   return error;
 }
 
+std::uint64_t processNumber() {
+  return static_cast<std::uint64_t>(getpid());
+}
+
 int runProgram(const std::vector<std::string>& program_and_arguments, const std::filesystem::path& log) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);

@@ -42,6 +42,10 @@ std::string processorName() {
   return name ? name : "not told";
 }
 
+std::uint64_t processNumber() {
+  return GetCurrentProcessId();
+}
+
 bool isTerminal(std::FILE* stream) {
   return _isatty(_fileno(stream)) != 0;
 }

@@ -1,7 +1,10 @@
 #include "rosefusion/reconstructor.h"
 
+#include <system_error>
+
 #include "engine/caller_device.h"
 #include "engine/passes/extract.h"
+#include "host/embedding/at_work.h"
 #include "host/embedding/reconstructor_impl.h"
 #include "host/embedding/vulkan_handles.h"
 #include "host/slam/mapping/mesh_extraction.h"
@@ -52,6 +55,13 @@ Reconstructor::Impl::~Impl() {
   if (worker.joinable()) worker.join();
 }
 
+Reconstructor::Impl& Reconstructor::Impl::inItsProcess() {
+  if (isOfThisProcess()) return *this;
+  throw Error(
+      Error::Kind::Misuse,
+      "A Reconstructor made before fork() cannot be used in the child process; make a new one there.");
+}
+
 VolumeView Reconstructor::Impl::view() const {
   const std::lock_guard lock(state);
   return current;
@@ -98,8 +108,14 @@ void Reconstructor::Impl::requireNothingPushed() const {
 bool Reconstructor::Impl::push(Frame frame, const Semaphores& semaphores) {
   const std::lock_guard lock(state);
   if (queue.size() >= queue_length) return false;
+  try {
+    if (!worker.joinable()) worker = std::thread([this] { workOff(); });
+  } catch (const std::system_error& error) {
+    throw Error(Error::Kind::OutOfMemory, std::string("The system gives no thread for pushed frames (") +
+                                              error.what() +
+                                              "); end other programs, or use process(), which needs none.");
+  }
   queue.push_back({std::move(frame), semaphores});
-  if (!worker.joinable()) worker = std::thread([this] { workOff(); });
   wake.notify_one();
   return true;
 }
@@ -114,86 +130,113 @@ void Reconstructor::Impl::workOff() {
     busy = true;
     lock.unlock();
     std::variant<Result, std::exception_ptr> outcome;
+    bool begun = false;
     try {
+      const AtWork at_work(begun);
       const std::lock_guard one_at_a_time(work);
-      outcome = guarded([&] { return process(next.frame, next.semaphores); });
+      if (begun) outcome = guarded([&] { return process(next.frame, next.semaphores); });
     } catch (...) {
       outcome = std::current_exception();
     }
     lock.lock();
-    results.push_back(std::move(outcome));
     busy = false;
+    if (!begun) queue.clear();  // the process ends
+    if (begun) results.push_back(std::move(outcome));
     if (queue.empty()) idle.notify_all();
+    if (!begun) return;
   }
 }
 
 Reconstructor::Reconstructor(const Camera& camera, const Options& options)
-    : impl_(guarded([&] { return std::make_unique<Impl>(camera, nullptr, options); })) {}
+    : impl_(guarded([&] {
+        const AtWork at_work;
+        return std::make_unique<Impl>(camera, nullptr, options);
+      })) {}
 Reconstructor::Reconstructor(const Camera& camera, const VulkanHandles& handles, const Options& options)
-    : impl_(guarded([&] { return std::make_unique<Impl>(camera, &handles, options); })) {}
-Reconstructor::~Reconstructor() = default;
+    : impl_(guarded([&] {
+        const AtWork at_work;
+        return std::make_unique<Impl>(camera, &handles, options);
+      })) {}
+Reconstructor::~Reconstructor() {
+  if (impl_) endUnlessForked(impl_, *impl_);
+}
 Reconstructor::Reconstructor(Reconstructor&&) noexcept = default;
-Reconstructor& Reconstructor::operator=(Reconstructor&&) noexcept = default;
+Reconstructor& Reconstructor::operator=(Reconstructor&& other) noexcept {
+  if (impl_) endUnlessForked(impl_, *impl_);
+  impl_ = std::move(other.impl_);
+  return *this;
+}
 
 Result Reconstructor::process(const DepthFrame& frame, const Semaphores* semaphores) {
   return guarded([&] {
-    const Frame copy = copyOf(frame, impl_->intrinsics);
-    impl_->requireNothingPushed();
-    const std::lock_guard lock(impl_->work);
-    return impl_->process(copy, semaphores ? *semaphores : Semaphores());
+    Impl& r = impl_->inItsProcess();
+    const Frame copy = copyOf(frame, r.intrinsics);
+    r.requireNothingPushed();
+    const AtWork at_work;
+    const std::lock_guard lock(r.work);
+    return r.process(copy, semaphores ? *semaphores : Semaphores());
   });
 }
 
 void Reconstructor::integrate(const DepthFrame& frame, const Matrix& world_from_camera) {
   guarded([&] {
-    const Frame copy = copyOf(frame, impl_->intrinsics);
-    impl_->requireNothingPushed();
-    const std::lock_guard lock(impl_->work);
-    impl_->pipeline.fuseFrame(copy, toPose(world_from_camera));
-    impl_->publish(frame.timestamp, &world_from_camera);
+    Impl& r = impl_->inItsProcess();
+    const Frame copy = copyOf(frame, r.intrinsics);
+    r.requireNothingPushed();
+    const AtWork at_work;
+    const std::lock_guard lock(r.work);
+    r.pipeline.fuseFrame(copy, toPose(world_from_camera));
+    r.publish(frame.timestamp, &world_from_camera);
   });
 }
 
 bool Reconstructor::push(const DepthFrame& frame, const Semaphores* semaphores) {
-  return guarded(
-      [&] { return impl_->push(copyOf(frame, impl_->intrinsics), semaphores ? *semaphores : Semaphores()); });
+  return guarded([&] {
+    Impl& r = impl_->inItsProcess();
+    return r.push(copyOf(frame, r.intrinsics), semaphores ? *semaphores : Semaphores());
+  });
 }
 
 std::optional<Result> Reconstructor::poll() {
+  Impl& r = impl_->inItsProcess();
   std::variant<Result, std::exception_ptr> outcome;
   {
-    const std::lock_guard lock(impl_->state);
-    if (impl_->results.empty()) return std::nullopt;
-    outcome = std::move(impl_->results.front());
-    impl_->results.pop_front();
+    const std::lock_guard lock(r.state);
+    if (r.results.empty()) return std::nullopt;
+    outcome = std::move(r.results.front());
+    r.results.pop_front();
   }
   if (const auto* failure = std::get_if<std::exception_ptr>(&outcome)) std::rethrow_exception(*failure);
   return std::get<Result>(std::move(outcome));
 }
 
 void Reconstructor::wait() {
-  std::unique_lock lock(impl_->state);
-  impl_->idle.wait(lock, [&] { return impl_->queue.empty() && !impl_->busy; });
+  Impl& r = impl_->inItsProcess();
+  std::unique_lock lock(r.state);
+  r.idle.wait(lock, [&] { return r.queue.empty() && !r.busy; });
 }
 
 Mesh Reconstructor::mesh() {
   return guarded([&] {
-    const std::lock_guard lock(impl_->work);
-    ExtractPass extract(impl_->device);
-    const MeshSettings& settings = impl_->pipeline.settings().mesh;
+    Impl& r = impl_->inItsProcess();
+    const AtWork at_work;
+    const std::lock_guard lock(r.work);
+    ExtractPass extract(r.device);
+    const MeshSettings& settings = r.pipeline.settings().mesh;
     return toMesh(extractMesh(
-        extract, impl_->pipeline.volume(),
+        extract, r.pipeline.volume(),
         {static_cast<float>(settings.min_weight), static_cast<std::size_t>(settings.min_component)}));
   });
 }
 
 std::vector<TimedPose> Reconstructor::trajectory() const {
-  const std::lock_guard lock(impl_->state);
-  return impl_->trajectory;
+  Impl& r = impl_->inItsProcess();
+  const std::lock_guard lock(r.state);
+  return r.trajectory;
 }
 
 std::size_t Reconstructor::blockCount() const {
-  return impl_->view().blockCount();
+  return impl_->inItsProcess().view().blockCount();
 }
 
 std::string Reconstructor::setting(const std::string& key) const {

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "engine/device.h"
+#include "host/core/system.h"
 #include "host/embedding/convert.h"
 #include "rosefusion/vulkan.h"
 
@@ -17,6 +18,11 @@ struct ROSEFUSION_HIDDEN Reconstructor::Impl {
   /// With handles: on the caller's device, else on one of its own.
   Impl(const Camera& camera, const VulkanHandles* handles, const Options& options);
   ~Impl();
+
+  /// False in a child of fork(), which has neither the threads of the process that made this, nor its device.
+  bool isOfThisProcess() const { return process_number == processNumber(); }
+  /// Itself. Throws Error (Misuse) in a child of fork().
+  Impl& inItsProcess();
 
   /// The model as the last finished frame left it. Any thread.
   VolumeView view() const;
@@ -29,6 +35,7 @@ struct ROSEFUSION_HIDDEN Reconstructor::Impl {
   bool push(Frame frame, const Semaphores& semaphores);
   void workOff();
 
+  std::uint64_t process_number = processNumber();
   Intrinsics intrinsics;
   std::size_t queue_length;
   Device device;
@@ -49,5 +56,13 @@ struct ROSEFUSION_HIDDEN Reconstructor::Impl {
   std::condition_variable wake, idle;
   std::thread worker;  ///< from the first pushed frame on
 };
+
+/// Ends `owned`, something of `owner`'s or itself, but in a child of fork(), where to end it would be to wait
+/// for threads that are not there: its memory is left as it is.
+template <typename Owned>
+void endUnlessForked(std::unique_ptr<Owned>& owned, const Reconstructor::Impl& owner) {
+  if (!owner.isOfThisProcess()) (void)owned.release();
+  owned.reset();
+}
 
 }  // namespace rosefusion

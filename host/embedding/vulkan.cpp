@@ -1,6 +1,7 @@
 #include "rosefusion/vulkan.h"
 
 #include "engine/passes/raycast.h"
+#include "host/embedding/at_work.h"
 #include "host/embedding/reconstructor_impl.h"
 #include "host/embedding/vulkan_handles.h"
 #include "host/slam/shader_types.h"
@@ -44,7 +45,9 @@ struct View::Impl {
 
 View::View(const Reconstructor& reconstructor, const Camera& camera, std::uint32_t slots)
     : impl_(guarded([&] {
-        auto impl = std::make_unique<Impl>(Impl{reconstructor.impl(), toIntrinsics(camera), {}});
+        const AtWork at_work;
+        auto impl =
+            std::make_unique<Impl>(Impl{reconstructor.impl().inItsProcess(), toIntrinsics(camera), {}});
         Device& device = impl->owner.device;
         const auto kernels = std::make_shared<RaycastKernels>(device);
         kernels->prepare(impl->owner.view());
@@ -53,12 +56,20 @@ View::View(const Reconstructor& reconstructor, const Camera& camera, std::uint32
               {Recorder(device), RaycastPass(device, toShader(impl->camera), Memory::Device, kernels)});
         return impl;
       })) {}
-View::~View() = default;
+View::~View() {
+  if (impl_) endUnlessForked(impl_, impl_->owner);
+}
 View::View(View&&) noexcept = default;
-View& View::operator=(View&&) noexcept = default;
+View& View::operator=(View&& other) noexcept {
+  if (impl_) endUnlessForked(impl_, impl_->owner);
+  impl_ = std::move(other.impl_);
+  return *this;
+}
 
 void View::record(VkCommandBuffer commands, std::uint32_t slot, const Look& look, const ViewImages& images) {
   guarded([&] {
+    (void)impl_->owner.inItsProcess();
+    const AtWork at_work;
     if (!commands || slot >= impl_->slots.size())
       throw Error(Error::Kind::Misuse, "A View records into a command buffer and one of its " +
                                            std::to_string(impl_->slots.size()) + " slots; this is none.");
@@ -95,7 +106,7 @@ struct Fusion::Impl {
 
   template <typename Depth>
   void recordSearch(VkCommandBuffer commands, const Depth& depth, const Searched& frame) {
-    owner.requireNothingPushed();
+    owner.inItsProcess().requireNothingPushed();
     const Pose pose = toPose(frame.pose.world_from_camera);
     searched.reset();
     recorder.recordInto(commands);
@@ -107,12 +118,19 @@ struct Fusion::Impl {
 
 Fusion::Fusion(Reconstructor& reconstructor)
     : impl_(guarded([&] {
-        Reconstructor::Impl& owner = reconstructor.impl();
+        const AtWork at_work;
+        Reconstructor::Impl& owner = reconstructor.impl().inItsProcess();
         return std::make_unique<Impl>(Impl{owner, Recorder(owner.device), owner.pipeline.makeFuser()});
       })) {}
-Fusion::~Fusion() = default;
+Fusion::~Fusion() {
+  if (impl_) endUnlessForked(impl_, impl_->owner);
+}
 Fusion::Fusion(Fusion&&) noexcept = default;
-Fusion& Fusion::operator=(Fusion&&) noexcept = default;
+Fusion& Fusion::operator=(Fusion&& other) noexcept {
+  if (impl_) endUnlessForked(impl_, impl_->owner);
+  impl_ = std::move(other.impl_);
+  return *this;
+}
 
 void Fusion::recordSearch(VkCommandBuffer commands, const DepthFrame& frame,
                           const Matrix& world_from_camera) {
@@ -133,7 +151,8 @@ void Fusion::recordSearch(VkCommandBuffer commands, const DeviceDepth& depth,
 
 bool Fusion::grow() {
   return guarded([&] {
-    const std::lock_guard lock(impl_->owner.work);
+    const AtWork at_work;
+    const std::lock_guard lock(impl_->owner.inItsProcess().work);
     Recorder own(impl_->owner.device);
     const bool again = impl_->fuser.grow(own, impl_->owner.pipeline.volume());
     own.submit();
@@ -148,7 +167,8 @@ void Fusion::recordFusion(VkCommandBuffer commands) {
       throw Error(
           Error::Kind::Misuse,
           "recordFusion() fuses the frame of the last recordSearch(), and there is none; call that first.");
-    const std::lock_guard lock(d.owner.work);
+    const AtWork at_work;
+    const std::lock_guard lock(d.owner.inItsProcess().work);
     const auto& [stamped, depth] = *d.searched;
     const Pose pose = toPose(stamped.world_from_camera);
     d.recorder.recordInto(commands);

@@ -49,7 +49,8 @@ class StreamSender {
   /// Compresses and sends. A recording: waits while the receiver has no room; false when stopped. Live: at
   /// once. Throws InputError when the receiver refuses the stream, with its reason.
   bool send(const Frame& frame, const StopQuestion& stop);
-  /// Says that there are no more frames and waits until all have arrived. False when stopped.
+  /// Says that there are no more frames and waits until all have arrived. False when stopped: a recording at
+  /// once, a live stream once the receiver answers no more.
   bool finish(const StopQuestion& stop);
   const Counts& counts() const;
 

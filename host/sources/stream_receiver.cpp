@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <condition_variable>
 #include <deque>
-#include <map>
 #include <mutex>
 #include <thread>
 
 #include "host/core/error.h"
 #include "host/sources/image_codec.h"
+#include "host/sources/strangers.h"
 #include "host/sources/wire.h"
 #include "host/sources/zmq_link.h"
 
@@ -22,6 +22,8 @@ constexpr std::size_t kLiveFrames = 2;  // of a live camera that wait to be trac
 constexpr std::size_t kMostRefusals = 100;  // different sentences that are remembered
 constexpr auto kSaySilentAfter = 5s;
 constexpr auto kReceiveSlice = 50ms;  // between questions whether to stop
+constexpr auto kWait = 200ms, kWaitForStrangers = 10ms;
+constexpr int kMessagesAtATime = 64;  // so that connections, keys and the end are seen to in between
 constexpr auto kFarewell = 1000;      // milliseconds for the last answer to leave
 constexpr const char* kZap = "inproc://zeromq.zap.01";
 constexpr int kReceiverEvents = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED |
@@ -45,8 +47,8 @@ struct StreamReceiver::Impl {
   std::uint64_t expected = 0;
   std::uint64_t window_told = 0;
   bool ended = false;
-  std::uint64_t believed = 0;                              ///< messages that were valid
-  std::map<std::uint32_t, std::uint64_t> believed_before;  ///< the same when a connection began
+  std::optional<Strangers> strangers;
+  Clock::time_point said_ended{};
   // Shared.
   mutable std::mutex mutex;
   std::condition_variable changed;
@@ -78,6 +80,7 @@ struct StreamReceiver::Impl {
       monitor = std::make_unique<Monitor>(context, socket, kReceiverEvents);
       socket.bind(own_endpoint);
       endpoint = socket.get(zmq::sockopt::last_endpoint);
+      strangers.emplace(std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));
       woken.bind("inproc://rosefusion.wake");
       wake.connect("inproc://rosefusion.wake");
     } catch (const zmq::error_t& error) {
@@ -103,13 +106,15 @@ struct StreamReceiver::Impl {
                     {zap.handle(), 0, ZMQ_POLLIN, 0},
                     {monitor->socket().handle(), 0, ZMQ_POLLIN, 0},
                     {woken.handle(), 0, ZMQ_POLLIN, 0}},
-                   200ms);
+                   strangers->empty() ? kWait : kWaitForStrangers);
         zmq::message_t message;
         while (woken.recv(message, zmq::recv_flags::dontwait)) {
         }
         authenticate();
         monitor->take([this](int event, std::uint32_t connection) { onEvent(event, connection); });
         receive();
+        if (strangers->breakOff() > 0)
+          refuse("broke off a connection: it said too much or nothing for too long, or there were too many");
         if (known && windowEnd() > window_told) acknowledge();
       }
     } catch (const std::exception& error) {
@@ -134,15 +139,17 @@ struct StreamReceiver::Impl {
   /// `connection`: ZeroMQ's number of it.
   void onEvent(int event, std::uint32_t connection) {
     if (event == ZMQ_EVENT_ACCEPTED) {
-      believed_before[connection] = believed;
+      strangers->came(static_cast<int>(connection));
     } else if (event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL) {
       refuse("refused a connection: it uses keys where this side does not, or the other way round");
     } else if (event == ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL) {
       refuse("refused a connection: it hung up before it said who it is");
-    } else if (believed_before[connection] == believed) {
+    } else if (strangers->went(static_cast<int>(connection))) {
       refuse("refused a connection: it said nothing valid, speaks another protocol, or announced more than " +
              std::to_string(wire::kMaxMessageBytes >> 20) + " MiB");
-    } else if (!ended) {
+    } else if (!ended &&
+               Clock::now() - said_ended > kSaySilentAfter) {  // who repeats a sender may come and go
+      said_ended = Clock::now();
       spdlog::info("{}: a connection ended", endpoint);
     }
   }
@@ -174,21 +181,24 @@ struct StreamReceiver::Impl {
 
   void receive() {
     zmq::message_t from, part;
-    while (socket.recv(from, zmq::recv_flags::dontwait)) {
+    for (int n = 0; n < kMessagesAtATime && socket.recv(from, zmq::recv_flags::dontwait); ++n) {
       int parts = 0;
       zmq::message_t body;
       for (bool more = from.more(); more; more = part.more()) {
         (void)socket.recv(part, zmq::recv_flags::none);
         if (parts++ == 0) body.copy(part);
       }
+      const int connection = zmq_msg_get(body.handle(), ZMQ_SRCFD);
+      if (strangers->isBrokenOff(connection)) continue;
       if (parts == 1)
-        onMessage(from, bytesOf(body));
+        onMessage(from, bytesOf(body), connection);
       else
         refuse("refused a message: it has more than one part");
     }
   }
 
-  void onMessage(zmq::message_t& from, std::span<const std::byte> bytes) {
+  /// `connection`: as of onEvent(), negative where ZeroMQ does not say.
+  void onMessage(zmq::message_t& from, std::span<const std::byte> bytes, int connection) {
     std::string problem;
     const auto message = wire::parse(bytes, problem);
     std::uint64_t peer_session = 0;
@@ -206,11 +216,12 @@ struct StreamReceiver::Impl {
     if (problem.empty() && !belongs(*message))
       problem = "its camera is not that of the stream's first message";
     if (problem.empty()) {
-      ++believed;
+      if (connection >= 0) strangers->becameKnown(connection);
       sender.copy(from);
       accept(*message, problem);
     }
     if (!problem.empty()) {
+      strangers->spokeNonsense(connection);
       refuse("refused a message: " + problem);
       send(from, wire::packRefusal(peer_session, problem + "."));
       return;

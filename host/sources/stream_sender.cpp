@@ -16,8 +16,9 @@ using namespace std::chrono_literals;
 
 constexpr auto kResendAfter = 1s;  // without any answer
 constexpr auto kSayWaitingAfter = 3s;
-constexpr auto kLastAnswer = 10s;  // that the end arrived; the receiver may have left with it
-constexpr auto kSendSlice = 20ms;  // between questions whether to stop
+constexpr auto kLastAnswer = 10s;   // that the end arrived; the receiver may have left with it
+constexpr auto kStoppedAfter = 3s;  // for the end of a live stream that was stopped, without any answer
+constexpr auto kSendSlice = 20ms;   // between questions whether to stop
 constexpr int kSenderEvents = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED |
                               ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
                               ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
@@ -238,7 +239,7 @@ bool StreamSender::finish(const StopQuestion& stop) {
   end.sequence = s.next_sequence;
   s.held.push_back({s.next_sequence++, wire::pack(end), true, false});
   while (!s.held.empty()) {
-    if (stop && stop()) return false;
+    if (stop && stop() && (!s.live || Clock::now() - s.last_answer > kStoppedAfter)) return false;
     s.pump(kSendSlice);
     if (!s.held.empty() && s.held.front().end && s.held.front().sent &&
         Clock::now() - s.last_answer > kLastAnswer) {

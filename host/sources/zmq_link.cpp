@@ -122,7 +122,10 @@ void setUp(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::linger, 0);
   socket.set(zmq::sockopt::maxmsgsize, wire::kMaxMessageBytes);
   socket.set(zmq::sockopt::sndhwm, static_cast<int>(2 * kWindow));
-  socket.set(zmq::sockopt::rcvhwm, static_cast<int>(2 * kWindow));
+  // Not limited: ZeroMQ (4.3.4) aborts the process where a connection whose limit is reached breaks and a
+  // heartbeat is due or waits. Frames are limited by their window, and whoever says something else by
+  // Strangers.
+  socket.set(zmq::sockopt::rcvhwm, 0);
 }
 
 Monitor::Monitor(zmq::context_t& context, zmq::socket_t& watched, int events)

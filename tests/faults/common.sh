@@ -1,5 +1,7 @@
 # For faults.sh and kills.sh: what is run, and what may lie there afterwards. Sourced with $build (a build folder), after
-# which $work is a folder of its own with recording/ and result/, made without a fault.
+# which $work is a folder of its own with recording/ and result/, made without a fault. send and receive are the ends of a
+# stream over $port.
+port=$((20000 + ($$ * 7 + RANDOM) % 12000))  # below those that connections are given
 program=$build/apps/cli/rosefusion
 viewer=$build/apps/viewer/rosefusion-viewer
 work=$(mktemp -d "${TMPDIR:-/tmp}/rosefusion-faults-XXXXXX")
@@ -14,6 +16,8 @@ quick=(--set swarm.levels=512/4 --set tracking.templates_per_level=2 --set volum
 exec_work() {
   case "$1" in
     run) exec "$program" run recording --out "$2/result" "${quick[@]}" ;;
+    receive) exec "$program" run "tcp://127.0.0.1:$port" --out "$2/result" --silence-limit 1 "${quick[@]}" ;;
+    send) exec "$program" send recording --colour "tcp://127.0.0.1:$port" ;;
     synth) exec "$program" synth "$2/sequence" --frames 4 --width 96 --height 72 --fx 48 --fy 48 --max-speed 1 --force ;;
     eval) exec "$program" eval "$2/result" recording --json "$2/errors.json" ;;
     export)
@@ -33,7 +37,7 @@ before() {
   mkdir -p "$2"
   case "$1" in
     eval | export) cp -r result "$2/result" ;;
-    run) [[ $((RANDOM % 2)) == 0 ]] || cp -r result "$2/result" ;;
+    run | receive | send) [[ $((RANDOM % 2)) == 0 ]] || cp -r result "$2/result" ;;
     synth) [[ $((RANDOM % 2)) == 0 ]] || cp -r recording "$2/sequence" ;;
   esac
 }
@@ -81,7 +85,7 @@ left_behind() {
 same_results() {
   local file
   case "$1" in
-    run) for file in trajectory.txt mesh.ply preview.png settings.yaml view.html report.json frames.csv; do
+    run | receive | send) for file in trajectory.txt mesh.ply preview.png settings.yaml view.html report.json frames.csv; do
       case "$file" in
         view.html | report.json | frames.csv) [[ -e $2/result/$file ]] || echo "$file is missing" ;;
         *) cmp -s "result/$file" "$2/result/$file" || echo "$file differs" ;;
@@ -100,8 +104,21 @@ prepare() {  # NAME...
   work_of synth "$work/made" >log 2>&1 && mv made/sequence recording || { cat log >&2; exit 1; }
   work_of run "$work/made" >log 2>&1 && mv made/result result || { cat log >&2; exit 1; }
   for name in "$@"; do
-    case "$name" in run | synth) continue ;; esac
+    case "$name" in run | synth | receive | send) continue ;; esac
     before "$name" "$work/reference-$name"
     work_of "$name" "$work/reference-$name" >log 2>&1 || { cat log >&2; exit 1; }
   done
+}
+
+# to_and_fro SEQUENCE COUNT YAML: to_and_fro/, of SEQUENCE's depth images as often as needed, there and back. YAML: the
+# beginning of its sequence.yaml.
+to_and_fro() {
+  local images=("$1"/depth/*.png) order i
+  order=("${images[@]}")
+  for ((i = ${#images[@]} - 2; i > 0; --i)); do order+=("${images[i]}"); done
+  mkdir -p to_and_fro/depth
+  for ((i = 0; i < $2; ++i)); do
+    printf '%s\0%s\0' "../../${order[i % ${#order[@]}]}" "$(printf 'to_and_fro/depth/%06d.png' "$i")"
+  done | xargs -0 -n 2 ln -s
+  echo "$3, depth: depth/*.png}" >to_and_fro/sequence.yaml
 }

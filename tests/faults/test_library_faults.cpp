@@ -2,7 +2,10 @@
 // nothing of it is then in the model twice or missing; a lost device is refused with a sentence from then on.
 #include <dlfcn.h>
 #include <gmock/gmock.h>
+#include <pthread.h>
 
+#include <atomic>
+#include <cerrno>
 #include <cstdlib>
 #include <functional>
 #include <numeric>
@@ -10,6 +13,19 @@
 
 #include "host/embedding/reconstructor_impl.h"
 #include "tests/host/embedding/frames.h"
+
+namespace {
+std::atomic<bool> no_more_threads = false;
+}
+
+/// In place of the system's, for all libraries of this process.
+extern "C" __attribute__((visibility("default"))) int pthread_create(pthread_t* thread,
+                                                                     const pthread_attr_t* attributes,
+                                                                     void* (*work)(void*),
+                                                                     void* with) noexcept {
+  static const auto real = reinterpret_cast<decltype(&pthread_create)>(dlsym(RTLD_NEXT, "pthread_create"));
+  return no_more_threads ? EAGAIN : real(thread, attributes, work, with);
+}
 
 namespace rosefusion::testing {
 namespace test_library_faults {
@@ -156,6 +172,19 @@ TEST(LibraryFaults, PushedFramesTellOfFailuresWhenPolled) {
       ++failures;
   EXPECT_EQ(failures, 1);
   EXPECT_EQ(results, 2);
+}
+
+TEST(LibraryFaults, AThreadThatCannotBeHadIsAskedForAgain) {
+  Reconstructor reconstructor(publicCamera(), options());
+  no_more_threads = true;
+  EXPECT_TRUE(fails([&] { reconstructor.push(publicFrame(0)); }, Error::Kind::OutOfMemory, "push"));
+  reconstructor.wait();  // for nothing: the frame was not taken
+  EXPECT_NE(reconstructor.process(publicFrame(0)).status, Status::Lost);
+  no_more_threads = false;
+  EXPECT_TRUE(reconstructor.push(publicFrame(1)));
+  reconstructor.wait();
+  EXPECT_TRUE(reconstructor.poll().has_value());
+  EXPECT_FALSE(reconstructor.poll().has_value());
 }
 
 TEST(LibraryFaults, ALostDeviceIsRefusedInWords) {

@@ -20,6 +20,11 @@ struct Semaphores;
 /// poll(), trajectory() and blockCount() never wait for a frame. The constructor builds pipelines, submits
 /// what makes the model's first memory and waits for that; and it generates the swarm's templates when this
 /// user has none of these sizes yet (some 10 s, kept in $XDG_CACHE_HOME or ~/.cache).
+///
+/// Processes: std::exit() waits for the frame under way, and one that still lives then, in a static variable
+/// too, is ended like any other. After fork() the child may make new ones, and must then end by _exit() (as
+/// Python's multiprocessing does), for Mesa's drivers wait in exit() for threads that it has not. What the
+/// parent made it cannot use (Error, Misuse); destroying that does nothing there.
 class ROSEFUSION_API Reconstructor {
  public:
   /// On a Vulkan device of its own. Throws Error: BadInput for a camera or settings that cannot be, NoDevice,

@@ -98,7 +98,8 @@ struct Options {
   std::string device;            ///< index, part of a name or type; empty: $ROSEFUSION_DEVICE, else the best
   std::size_t queue_length = 4;  ///< frames that Reconstructor::push keeps waiting
   /// Hears one sentence at a time of what is worth knowing beside results and errors, on the constructor's
-  /// thread and before it returns. Empty: silence; the library never writes to standard output or error.
+  /// thread and before it returns; what it throws comes out of the constructor. Empty: silence; the library
+  /// never writes to standard output or error.
   std::function<void(LogLevel, const std::string& sentence)> log;
 };
 

@@ -28,6 +28,8 @@ struct VulkanHandles {
   VkPipelineCache pipeline_cache = VK_NULL_HANDLE;   ///< null: the library has one of its own
   /// Called around every vkQueueSubmit of the library, on the thread that submits; never held while anything
   /// is waited for. Needed when other threads of the caller use the queue, or two Reconstructors share it.
+  /// What lock_queue throws comes out of the call, which has then submitted nothing; unlock_queue may not
+  /// throw.
   std::function<void()> lock_queue, unlock_queue;
 };
 

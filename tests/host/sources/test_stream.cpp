@@ -153,6 +153,18 @@ TEST(Stream, LiveStreamsDropWhatTheReceiverCannotTake) {
   }
 }
 
+TEST(Stream, ALiveSenderWithoutAReceiverCanBeStopped) {
+  const auto frames = numberedFrames(2, 30);
+  StreamOptions live;
+  live.live = true;
+  StreamSender sender("tcp://127.0.0.1:1", infoOf(frames), live);  // where nobody listens
+  EXPECT_TRUE(sender.send(frames[0], {}));
+  const auto start = Clock::now();
+  EXPECT_FALSE(sender.finish([&] { return Clock::now() - start < 20s; }));
+  EXPECT_GT(Clock::now() - start, 2s) << "it might answer";
+  EXPECT_LT(Clock::now() - start, 15s);
+}
+
 TEST(Stream, SilenceEndsAStreamWhereAsked) {
   StreamOptions options;
   options.silence_limit = 0.3;
@@ -205,6 +217,19 @@ class HostileStream : public ::testing::Test {
     Sending sending(receiver_.endpoint(), frames);
     expectAll(frames, receiveAll(receiver_));
     EXPECT_TRUE(sending.finish());
+  }
+  /// A connection as of a ZeroMQ peer that has been greeted; closed by the caller.
+  int connectAsPeer() const {
+    const int s = connectTo(portOf(receiver_.endpoint()));
+    const timeval limit{10, 0};
+    setsockopt(s, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    std::string greeting("\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL", 16);
+    greeting.resize(64, '\0');
+    const std::string said = greeting + std::string("\4\x1c\5READY\x0bSocket-Type\0\0\0\6DEALER", 30);
+    EXPECT_EQ(::send(s, said.data(), said.size(), MSG_NOSIGNAL), static_cast<ssize_t>(said.size()));
+    char answer[107];  // messages that come before it are none
+    EXPECT_EQ(recv(s, answer, sizeof answer, MSG_WAITALL), static_cast<ssize_t>(sizeof answer));
+    return s;
   }
   static wire::Header header(wire::Type type) {
     wire::Header h;
@@ -263,15 +288,10 @@ TEST_F(HostileStream, HugeSizesAreRefusedUnread) {
   sendRaw(wire::pack(h));
   expectRefusal("2147483647x2147483647");
   // A ZeroMQ peer that announces a message of 2^60 bytes is cut off before any of it is read.
-  const int s = connectTo(portOf(receiver_.endpoint()));
-  std::string greeting("\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL", 16);
-  greeting.resize(64, '\0');
-  const std::string ready("\4\x1c\5READY\x0bSocket-Type\0\0\0\6DEALER", 30);
+  const int s = connectAsPeer();
   const std::string announced("\2\x10\0\0\0\0\0\0\0", 9);
-  std::string all = greeting + ready + announced;
-  ASSERT_EQ(::send(s, all.data(), all.size(), MSG_NOSIGNAL), static_cast<ssize_t>(all.size()));
-  const timeval limit{10, 0};
-  setsockopt(s, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+  ASSERT_EQ(::send(s, announced.data(), announced.size(), MSG_NOSIGNAL),
+            static_cast<ssize_t>(announced.size()));
   char reply[256];
   ssize_t n = 0;
   while ((n = recv(s, reply, sizeof reply, 0)) > 0) {
@@ -280,6 +300,89 @@ TEST_F(HostileStream, HugeSizesAreRefusedUnread) {
   close(s);
   expectRefusal("more than 64 MiB");
   expectThatAStreamStillArrives();
+}
+
+#ifdef __linux__  // other systems do not count what a connection has received
+TEST_F(HostileStream, AMessageThatNeverEndsIsBrokenOff) {
+  const int s = connectAsPeer();
+  std::string part("\3\0\0\0\0\0\1\0\0", 9);  // 64 KiB, and more to come
+  part.resize(part.size() + 0x10000);
+  constexpr int kParts = 16 * 1024;  // 1 GiB
+  int said = 0;
+  while (said<kParts&& ::send(s, part.data(), part.size(), MSG_NOSIGNAL)> 0) ++said;
+  EXPECT_LT(said, kParts);
+  close(s);
+  expectRefusal("said too much");
+  expectThatAStreamStillArrives();
+}
+#endif
+
+TEST_F(HostileStream, AFloodWithHeartbeatsThatBreaksOffWhileTheReceiverIsBusyIsSurvived) {
+  wire::Header large = header(wire::Type::Probe);
+  large.width = large.height = wire::kMaxSide;
+  large.fx = large.fy = large.cx = large.cy = wire::kMaxSide / 2;
+  sendRaw(wire::pack(large));
+  ASSERT_TRUE(receiver_.waitForStream(after(20s)));
+  std::thread keeping_it_busy([&] {  // damaged where it is seen late
+    large.type = static_cast<std::uint16_t>(wire::Type::Frame);
+    ImageCodec codec;
+    const auto bytes = wire::pack(
+        large, codec.compressDepth(cv::Mat(wire::kMaxSide, wire::kMaxSide, CV_16UC1, cv::Scalar(1))),
+        std::vector<std::byte>(50));
+    for (int i = 0; i < 20; ++i) sendRaw(bytes);
+  });
+  std::string said;
+  for (int i = 0; i < 2000; ++i) said += std::string("\0\3abc\4\7\4PING\0\0", 14);
+  for (int n = 0; n < 100; ++n) {
+    const int s = connectAsPeer();
+    const linger reset{1, 0};
+    setsockopt(s, SOL_SOCKET, SO_LINGER, &reset, sizeof reset);
+    (void)!::send(s, said.data(), said.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    std::this_thread::sleep_for(10ms);
+    close(s);
+  }
+  keeping_it_busy.join();
+  expectRefusal("damaged");
+  expectRefusal("none of rosefusion's");
+}
+
+TEST_F(HostileStream, OfConnectionsThatSayNothingOnlySomeAreKept) {
+  std::vector<int> silent(200);
+  for (int& s : silent) ASSERT_GE(s = connectTo(portOf(receiver_.endpoint())), 0);
+  expectRefusal("there were too many");
+  expectThatAStreamStillArrives();
+  int ended = 0;
+  for (const int s : silent) {
+    char byte[64];
+    while (recv(s, byte, sizeof byte, MSG_DONTWAIT) > 0) {
+    }
+    ended += recv(s, byte, 1, MSG_DONTWAIT) == 0 || errno != EAGAIN;
+    close(s);
+  }
+  EXPECT_GE(ended, 100) << "of 200, of which 64 may stay";
+}
+
+TEST_F(HostileStream, AFloodHoldsUpNeitherTheStreamNorTheEnd) {
+  auto receiver = std::make_unique<StreamReceiver>(kAnyPort, StreamOptions{});
+  std::atomic<bool> enough = false;
+  std::vector<std::thread> flood;
+  for (int n = 0; n < 3; ++n)
+    flood.emplace_back([&, endpoint = receiver->endpoint()] {
+      zmq::socket_t socket(context_, zmq::socket_type::dealer);
+      socket.set(zmq::sockopt::linger, 0);
+      socket.connect(endpoint);
+      const auto message = wire::pack(header(wire::Type::End));
+      while (!enough) socket.send(zmq::buffer(message), zmq::send_flags::dontwait);
+    });
+  const auto frames = numberedFrames(5, 30);
+  Sending sending(receiver->endpoint(), frames);
+  expectAll(frames, receiveAll(*receiver));
+  EXPECT_TRUE(sending.finish());
+  const auto start = Clock::now();
+  receiver.reset();
+  EXPECT_LT(Clock::now() - start, 10s);
+  enough = true;
+  for (std::thread& thread : flood) thread.join();
 }
 
 TEST_F(HostileStream, DamagedAndForeignFramesDoNotEnterTheStream) {
