@@ -103,6 +103,13 @@ void recover(RunSummary& summary, const FrameResult& last, std::size_t index) {
   }
 }
 
+/// A fit takes half a kilobyte, most of it for what goes on tracking.
+void keepFigures(RunFrame& frame) {
+  if (const std::optional<PoseFit> fit = std::exchange(frame.result.fit, {}))
+    frame.fit = {fit->cost,          fit->observed_ratio,   fit->inlier_ratio,
+                 fit->observability, fit->shiftDeviation(), fit->turnDeviation()};
+}
+
 }  // namespace
 
 RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_frames,
@@ -141,6 +148,7 @@ RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_
     if (frame.result.began_anew) beginAnew(summary);
     if (frame.result.detached_began_anew) forget(summary, *frame.result.detached_map);
     recover(summary, frame.result, frame.index);
+    keepFigures(frame);
     summary.frames.push_back(std::move(frame));
     if (progress) progress({summary.frames.size(), total, &summary.frames.back()});
   }

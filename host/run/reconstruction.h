@@ -1,5 +1,6 @@
 // Runs a whole sequence through the pipeline, and remembers what happened to every frame.
 #pragma once
+#include <deque>
 #include <functional>
 #include <string>
 #include <vector>
@@ -10,12 +11,19 @@
 namespace rosefusion {
 
 /// A frame of the sequence that was processed, or skipped because its file was unusable.
+/// What files say of a PoseFit.
+struct FitFigures {
+  double cost = 1, observed_ratio = 0, inlier_ratio = 0, observability = 0;
+  double shift_deviation = 0, turn_deviation = 0;  ///< metres and radians
+};
+
 struct RunFrame {
   std::size_t index = 0;    ///< in the sequence
   std::size_t dropped = 0;  ///< frames before it that a live source could not wait with
   bool skipped = false;
   std::string problem;  ///< why it was skipped
-  FrameResult result;   ///< when skipped: only the timestamp
+  FrameResult result;   ///< without its fit; when skipped: only the timestamp
+  std::optional<FitFigures> fit;
 
   /// Why it was skipped or has its status, in plain words; empty when tracked.
   std::string reason() const { return skipped ? problem : toString(result.reason); }
@@ -30,7 +38,7 @@ struct RunProgress {
 enum class RunEnd { Finished, Interrupted, DeviceFull };
 
 struct RunSummary {
-  std::vector<RunFrame> frames;
+  std::deque<RunFrame> frames;  ///< which does not move them, of which hours have a hundred thousand
   RunEnd end = RunEnd::Finished;
   std::string end_reason;  ///< the device's sentence for DeviceFull
   /// A detached map that a frame connected to the first.

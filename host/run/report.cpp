@@ -133,9 +133,9 @@ std::string framesCsv(const RunSummary& summary) {
         << (f.skipped ? "skipped" : toString(r.status)) << ',' << csvQuoted(f.reason()) << ',' << r.iterations
         << ',' << r.lookups << ',' << r.score.residual << ',' << r.score.overlap << ','
         << r.score.valid_share;
-    if (r.fit)
-      out << ',' << r.fit->cost << ',' << r.fit->observed_ratio << ',' << r.fit->inlier_ratio << ','
-          << r.fit->observability << ',' << r.fit->shiftDeviation() << ',' << r.fit->turnDeviation();
+    if (f.fit)
+      out << ',' << f.fit->cost << ',' << f.fit->observed_ratio << ',' << f.fit->inlier_ratio << ','
+          << f.fit->observability << ',' << f.fit->shift_deviation << ',' << f.fit->turn_deviation;
     else
       out << ",,,,,,";
     out << ',' << r.intruding << ',' << (r.fused ? 1 : 0) << ','

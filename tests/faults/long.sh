@@ -2,8 +2,7 @@
 # Whether it lasts: long.sh [FRAMES [BUILD]]. A camera of 160 x 120 flies the same path to and fro for 5,000 frames by default:
 # from disk, as a stream, and in the Python module where the build has it. Prints what 1,000 frames add to the resident
 # memory (of a software device that is the device's memory too), to open files and to a frame's processor time, once the
-# model stands (after the first third). Fails above 1 MB (a run: 3 MB, for it keeps what its files say of each frame), one
-# file or a tenth of the time.
+# model stands (after the first third). Fails above 1 MB, one file or a tenth of the time.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
