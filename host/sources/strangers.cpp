@@ -1,18 +1,8 @@
 #include "host/sources/strangers.h"
 
-#ifdef _WIN32
-#include <ws2tcpip.h>
-#else
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#endif
-#ifdef __linux__
-#include <linux/tcp.h>  // netinet/tcp.h does not know of tcpi_bytes_received
-#endif
-
 #include <algorithm>
-#include <cstdint>
+
+#include "host/core/system_sockets.h"
 
 namespace rosefusion::link {
 namespace {
@@ -20,32 +10,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kBetweenLooks = 10ms;
-#ifdef _WIN32
-constexpr int kBothWays = SD_BOTH;
-#else
-constexpr int kBothWays = SHUT_RDWR;
-#endif
-
-/// What a socket has received; 0 where that is not known.
-std::uint64_t bytesReceived(int connection) {
-#ifdef __linux__
-  tcp_info info{};
-  socklen_t size = sizeof info;
-  if (getsockopt(connection, IPPROTO_TCP, TCP_INFO, &info, &size) == 0) return info.tcpi_bytes_received;
-#endif
-  (void)connection;
-  return 0;
-}
-
-/// The port of this side of a connection; its number may be another file's by now.
-int portOfThisSide(int connection) {
-  sockaddr_storage address{};
-  socklen_t size = sizeof address;
-  if (getsockname(connection, reinterpret_cast<sockaddr*>(&address), &size) != 0) return -1;
-  if (address.ss_family == AF_INET) return ntohs(reinterpret_cast<sockaddr_in&>(address).sin_port);
-  if (address.ss_family == AF_INET6) return ntohs(reinterpret_cast<sockaddr_in6&>(address).sin6_port);
-  return -1;
-}
 
 }  // namespace
 
@@ -76,7 +40,7 @@ bool Strangers::went(int connection) {
 
 /// ZeroMQ then finds it closed, and frees what it holds of it.
 void Strangers::breakOff(int connection, Stranger& stranger) {
-  if (portOfThisSide(connection) == port_) shutdown(connection, kBothWays);
+  if (portOfThisSide(connection) == port_) shutDown(connection);
   stranger.broken_off = true;
 }
 

@@ -27,7 +27,7 @@ compile() {
     -isystem "$scratch/include" -isystem "$scratch/include/spirv_cross" -c "$1" \
     -o "$scratch/objects/$(basename "$1").o" || echo "mingw: $1 does not compile for Windows." >&2
 }
-sources=("$root"/engine/*.cpp "$root"/engine/passes/*.cpp "$root/host/core/system_windows.cpp" "$scratch"/*.cpp)
+sources=("$root"/engine/*.cpp "$root"/engine/passes/*.cpp "$root/host/core/system_windows.cpp" "$root/host/core/system_sockets.cpp" "$scratch"/*.cpp)
 export -f compile
 export compiler root scratch
 printf '%s\0' "${sources[@]}" | xargs -0 -P "$(nproc)" -I{} bash -c 'compile {}'
