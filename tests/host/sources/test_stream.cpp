@@ -224,6 +224,8 @@ class HostileStream : public ::testing::Test {
     const int s = connectTo(portOf(receiver_.endpoint()));
     const timeval limit{10, 0};
     setsockopt(s, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    setsockopt(s, SOL_SOCKET, SO_SNDTIMEO, &limit,
+               sizeof limit);  // a system short of memory may lose a reset
     std::string greeting("\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL", 16);
     greeting.resize(64, '\0');
     const std::string said = greeting + std::string("\4\x1c\5READY\x0bSocket-Type\0\0\0\6DEALER", 30);
