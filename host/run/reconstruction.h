@@ -10,13 +10,13 @@
 
 namespace rosefusion {
 
-/// A frame of the sequence that was processed, or skipped because its file was unusable.
 /// What files say of a PoseFit.
 struct FitFigures {
   double cost = 1, observed_ratio = 0, inlier_ratio = 0, observability = 0;
   double shift_deviation = 0, turn_deviation = 0;  ///< metres and radians
 };
 
+/// A frame of the sequence that was processed, or skipped because its file was unusable.
 struct RunFrame {
   std::size_t index = 0;    ///< in the sequence
   std::size_t dropped = 0;  ///< frames before it that a live source could not wait with

@@ -54,15 +54,6 @@ struct Layer : ::testing::Environment {
 };
 const auto* const layer = ::testing::AddGlobalTestEnvironment(new Layer);
 
-Options options() {
-  Options out = quickOptions();
-  out.device = std::getenv("ROSEFUSION_DEVICE") ? std::getenv("ROSEFUSION_DEVICE") : "llvmpipe";
-  out.settings[0].value = "512/8";
-  out.settings[2].value = "0.06";
-  out.settings[3].value = "0.18";
-  return out;
-}
-
 Matrix poseOf(std::size_t i) {
   const SynthSequence& sequence = shortSequence();
   Matrix out;
@@ -106,7 +97,7 @@ bool fails(const std::function<void()>& action, Error::Kind kind, const std::str
 /// Fuses kFrames of known pose; before one of them `command` begins to fail at its `call`-th call from then
 /// on.
 Model fused(const std::string& command, std::size_t at, std::uint64_t call, int result, int& failures) {
-  Reconstructor reconstructor(publicCamera(), options());
+  Reconstructor reconstructor(publicCamera(), coarseOptions());
   const std::string where = command + ", frame " + std::to_string(at) + ", call " + std::to_string(call);
   for (std::size_t i = 0; i < kFrames; ++i) {
     if (i == at) failCall(command.c_str(), call, result);
@@ -138,7 +129,7 @@ TEST(LibraryFaults, AFrameThatFailedCanBeGivenAgainAndIsFusedOnce) {
 
 TEST(LibraryFaults, TrackingGoesOnAfterAFailure) {
   std::mt19937 random(2);
-  Reconstructor reconstructor(publicCamera(), options());
+  Reconstructor reconstructor(publicCamera(), coarseOptions());
   reconstructor.process(publicFrame(0));
   int failures = 0;
   std::size_t poses = 1;
@@ -159,7 +150,7 @@ TEST(LibraryFaults, TrackingGoesOnAfterAFailure) {
 }
 
 TEST(LibraryFaults, PushedFramesTellOfFailuresWhenPolled) {
-  Reconstructor reconstructor(publicCamera(), options());
+  Reconstructor reconstructor(publicCamera(), coarseOptions());
   reconstructor.process(publicFrame(0));
   failCall("vkAllocateDescriptorSets", 40, kFragmented);
   for (std::size_t i = 1; i < kFrames; ++i) ASSERT_TRUE(reconstructor.push(publicFrame(i)));
@@ -175,7 +166,7 @@ TEST(LibraryFaults, PushedFramesTellOfFailuresWhenPolled) {
 }
 
 TEST(LibraryFaults, AThreadThatCannotBeHadIsAskedForAgain) {
-  Reconstructor reconstructor(publicCamera(), options());
+  Reconstructor reconstructor(publicCamera(), coarseOptions());
   no_more_threads = true;
   EXPECT_TRUE(fails([&] { reconstructor.push(publicFrame(0)); }, Error::Kind::OutOfMemory, "push"));
   reconstructor.wait();  // for nothing: the frame was not taken
@@ -190,7 +181,7 @@ TEST(LibraryFaults, AThreadThatCannotBeHadIsAskedForAgain) {
 TEST(LibraryFaults, ALostDeviceIsRefusedInWords) {
   std::mt19937 random(3);
   for (const char* command : {"vkQueueSubmit", "vkWaitForFences"}) {
-    Reconstructor reconstructor(publicCamera(), options());
+    Reconstructor reconstructor(publicCamera(), coarseOptions());
     reconstructor.process(publicFrame(0));
     failCall(command, 1 + random() % 20, kLost);
     const auto process = [&] {
@@ -212,13 +203,13 @@ TEST(LibraryFaults, AReconstructorThatCannotBeMadeLeavesNothingBehind) {
         "vkCreateShaderModule", "vkCreateComputePipelines", "vkAllocateMemory", "vkQueueSubmit",
         "vkWaitForFences", "vkEnumeratePhysicalDevices"}) {
     failCall(command, command == std::string("vkCreateDevice") ? 1 : 1 + random() % 4, kHostMemory);
-    fails([] { Reconstructor unused(publicCamera(), options()); },
+    fails([] { Reconstructor unused(publicCamera(), coarseOptions()); },
           command == std::string("vkEnumeratePhysicalDevices") ? Error::Kind::NoDevice
                                                                : Error::Kind::OutOfMemory,
           command);
     failCall(command, 0, 0);
   }
-  EXPECT_NO_THROW(Reconstructor(publicCamera(), options()).process(publicFrame(0)));
+  EXPECT_NO_THROW(Reconstructor(publicCamera(), coarseOptions()).process(publicFrame(0)));
 }
 
 }  // namespace test_library_faults

@@ -1,5 +1,7 @@
 // The short generated sequence as a caller of the public headers has it.
 #pragma once
+#include <cstdlib>
+
 #include "rosefusion/reconstructor.h"
 #include "tests/host/slam/short_sequence.h"
 
@@ -23,6 +25,16 @@ inline Options quickOptions() {
                       {"tracking.templates_per_level", "3"},
                       {"volume.voxel_size", "0.03"},
                       {"volume.truncation", "0.09"}};
+  return options;
+}
+
+/// The same on the device under test, with larger voxels and one level of particles.
+inline Options coarseOptions() {
+  Options options = quickOptions();
+  options.device = std::getenv("ROSEFUSION_DEVICE") ? std::getenv("ROSEFUSION_DEVICE") : "llvmpipe";
+  options.settings[0].value = "512/8";
+  options.settings[2].value = "0.06";
+  options.settings[3].value = "0.18";
   return options;
 }
 

@@ -21,12 +21,8 @@ using ::testing::ExitedWithCode;
 /// Destroyed after all that is loaded later: Vulkan's loader, the driver, LLVM.
 std::optional<Reconstructor> kept;
 
-Options coarseOptions() {
-  Options options = quickOptions();
-  options.device = std::getenv("ROSEFUSION_DEVICE") ? std::getenv("ROSEFUSION_DEVICE") : "llvmpipe";
-  options.settings[0].value = "512/8";
-  options.settings[2].value = "0.06";
-  options.settings[3].value = "0.18";
+Options withAQueue() {
+  Options options = coarseOptions();
   options.queue_length = 16;
   return options;
 }
@@ -45,7 +41,7 @@ class Exit : public ::testing::Test {
 TEST_F(Exit, OneInAStaticVariableOfTheProgram) {
   EXPECT_EXIT(
       {
-        kept.emplace(publicCamera(), coarseOptions());
+        kept.emplace(publicCamera(), withAQueue());
         pushFrames(*kept);
         std::exit(0);
       },
@@ -55,7 +51,7 @@ TEST_F(Exit, OneInAStaticVariableOfTheProgram) {
 TEST_F(Exit, OneInAStaticVariableOfAFunction) {
   EXPECT_EXIT(
       {
-        static Reconstructor late(publicCamera(), coarseOptions());
+        static Reconstructor late(publicCamera(), withAQueue());
         pushFrames(late);
         std::exit(0);
       },
@@ -70,7 +66,7 @@ TEST_F(Exit, OneThatIsNeverDestroyed) {
   setenv("LSAN_OPTIONS", "detect_leaks=0", 1);
   EXPECT_EXIT(
       {
-        static Reconstructor* const for_good = new Reconstructor(publicCamera(), coarseOptions());
+        static Reconstructor* const for_good = new Reconstructor(publicCamera(), withAQueue());
         pushFrames(*for_good);
         std::exit(0);
       },
@@ -105,7 +101,7 @@ std::string childsEnd(Work work) {
 }
 
 TEST(Fork, AProgramMayBeStartedMeanwhile) {
-  Reconstructor reconstructor(publicCamera(), coarseOptions());
+  Reconstructor reconstructor(publicCamera(), withAQueue());
   for (std::size_t i = 0; i < 4; ++i) ASSERT_TRUE(reconstructor.push(publicFrame(i)));
   EXPECT_EQ(childsEnd([] { return execl("/bin/true", "true", nullptr); }), "exit code 0");
   reconstructor.wait();
@@ -117,8 +113,8 @@ TEST(Fork, InTheChildItIsRefusedInWordsAndEndsWithoutWaiting) {
   VulkanHandles handles = handlesOf(caller);
   handles.lock_queue = [&] { caller.queue_mutex.lock(); };
   handles.unlock_queue = [&] { caller.queue_mutex.unlock(); };
-  std::optional<Reconstructor> own(std::in_place, publicCamera(), coarseOptions()),
-      callers(std::in_place, publicCamera(), handles, coarseOptions());
+  std::optional<Reconstructor> own(std::in_place, publicCamera(), withAQueue()),
+      callers(std::in_place, publicCamera(), handles, withAQueue());
   for (Reconstructor* r : {&*own, &*callers})
     for (std::size_t i = 0; i < 16; ++i) ASSERT_TRUE(r->push(publicFrame(i % 4)));
   std::optional<View> view(std::in_place, *callers, publicCamera(), 1);
@@ -167,10 +163,10 @@ TEST(Fork, InTheChildItIsRefusedInWordsAndEndsWithoutWaiting) {
 
 #ifndef __SANITIZE_THREAD__  // which lets no child of several threads begin one
 TEST(Fork, TheChildMayMakeOneOfItsOwn) {
-  Reconstructor reconstructor(publicCamera(), coarseOptions());
+  Reconstructor reconstructor(publicCamera(), withAQueue());
   const Matrix expected = reconstructor.process(publicFrame(0)).world_from_camera;
   EXPECT_EQ(childsEnd([&] {
-              Reconstructor own(publicCamera(), coarseOptions());
+              Reconstructor own(publicCamera(), withAQueue());
               return own.process(publicFrame(0)).world_from_camera == expected ? 7 : 8;
             }),
             "exit code 7");
