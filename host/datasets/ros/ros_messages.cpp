@@ -122,6 +122,20 @@ std::optional<DepthMessage> compressedDepthOf(const Compressed& image) {
 
 }  // namespace
 
+std::optional<Distortion> CameraInfoMessage::lens() const {
+  auto d = distortion;
+  while (!d.empty() && d.back() == 0) d.pop_back();
+  if (d.empty()) return Distortion{};
+  // ROS has taken models, their names and the order of coefficients from OpenCV; beyond eight come thin
+  // prisms.
+  const std::size_t most = distortion_model == "plumb_bob"             ? 5
+                           : distortion_model == "rational_polynomial" ? 8
+                                                                       : 0;
+  if (d.size() > most || !std::ranges::all_of(d, [](double v) { return std::isfinite(v); })) return {};
+  d.resize(8);
+  return Distortion{d[0], d[1], d[2], d[3], d[4], d[5], d[6], d[7]};
+}
+
 CameraInfoMessage cameraInfoOf(std::span<const std::byte> message, bool cdr) {
   ByteReader reader = begin(message, cdr);
   skipHeader(reader, cdr);

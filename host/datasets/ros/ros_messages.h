@@ -9,6 +9,7 @@
 
 #include "host/datasets/byte_reader.h"
 #include "host/datasets/float_depth.h"
+#include "host/datasets/undistortion.h"
 
 namespace rosefusion::datasets {
 
@@ -17,6 +18,9 @@ struct CameraInfoMessage {
   std::string distortion_model;
   std::vector<double> distortion;
   std::array<double, 9> k{};  ///< row by row
+
+  /// All zeros where the lens does not distort; none where its model is not known.
+  std::optional<Distortion> lens() const;
 };
 
 /// sensor_msgs/CameraInfo. Throws EndOfBytes; so do the others.

@@ -40,7 +40,7 @@ class RosSequence : public Sequence {
     frames_ = of_topic_[depth_topic];
     info_.frames = frames_.size();
     const DepthMessage first = firstDepth(depth_topic);
-    const auto camera = cameraOf(depth_topic);
+    const auto camera = cameraOf(depth_topic, &info_.warnings);
     chooseColour(first.depth.size(), camera);
     if (!camera && !options.intrinsics)
       throw InputError(file.string() + ": no camera_info belongs to " + nameOf(depth_topic) +
@@ -123,7 +123,9 @@ class RosSequence : public Sequence {
     return *best;
   }
 
-  std::optional<CameraSource> cameraOf(std::size_t depth_topic) {
+  /// `warnings`: of a lens that is not known.
+  std::optional<CameraSource> cameraOf(std::size_t depth_topic,
+                                       std::vector<std::string>* warnings = nullptr) {
     std::optional<std::size_t> best;
     for (const auto& [topic, messages] : of_topic_)
       if ((typeOf(topic) == "sensor_msgs/CameraInfo" ||
@@ -142,14 +144,14 @@ class RosSequence : public Sequence {
                        info_.path.string() + ", topic " + nameOf(*best),
                        false,
                        {}};
-      const bool bent =
-          std::any_of(camera.distortion.begin(), camera.distortion.end(), [](double d) { return d != 0; });
+      const auto lens = camera.lens();
       // 'rect' in the topic's name: the images were undistorted before they were recorded.
-      if (bent && camera.distortion_model == "plumb_bob" && camera.distortion.size() == 5 &&
-          nameOf(depth_topic).find("rect") == std::string::npos) {
-        const auto& d = camera.distortion;
-        out.distortion = {d[0], d[1], d[2], d[3], d[4]};
-      }
+      const bool straight = lens == Distortion{} || nameOf(depth_topic).find("rect") != std::string::npos;
+      if (!straight && lens) out.distortion = lens;
+      if (!straight && !lens && warnings)
+        warnings->push_back(info_.path.string() + ": the lens of " + nameOf(*best) + " is of the model '" +
+                            camera.distortion_model + "', which is not known: images are used as they " +
+                            "are; record undistorted ones (image_proc's image_rect).");
       return out;
     } catch (const EndOfBytes&) {
       throw InputError(info_.path.string() + ": " + nameOf(*best) +

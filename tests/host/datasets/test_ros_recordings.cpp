@@ -6,6 +6,7 @@
 #include "host/core/error.h"
 #include "host/datasets/byte_reader.h"
 #include "host/datasets/compression.h"
+#include "host/datasets/ros/ros_messages.h"
 #include "host/datasets/sequence.h"
 #include "tests/host/datasets/fixtures.h"
 
@@ -51,6 +52,44 @@ TEST(RosRecordings, FloatingMetresKeepTheirPrecision) {
   ASSERT_TRUE(sequence->read(2, frame, problem)) << problem;
   EXPECT_NEAR(frame.depth.at<std::uint16_t>(3, 7) / sequence->info().depth_units_per_metre,
               (1502 + 7 + 40 * 3) / 1000.0, 1e-4);
+}
+
+TEST(RosRecordings, LensesOfOpenCvsModelsAreKnown) {
+  using datasets::Distortion;
+  const auto lens = [](const char* model, std::vector<double> d) {
+    datasets::CameraInfoMessage camera;
+    camera.distortion_model = model;
+    camera.distortion = std::move(d);
+    return camera.lens();
+  };
+  EXPECT_EQ(lens("plumb_bob", {0, 0, 0, 0, 0}), Distortion{});
+  EXPECT_EQ(lens("", {}), Distortion{});
+  EXPECT_EQ(lens("Inverse Brown Conrady", {0, 0, 0, 0, 0}), Distortion{});
+  EXPECT_EQ(lens("plumb_bob", {.1, .2, .3, .4}), (Distortion{.1, .2, .3, .4}));
+  EXPECT_EQ(lens("rational_polynomial", {1, 2, 3, 4, 5, 6, 7, 8}), (Distortion{1, 2, 3, 4, 5, 6, 7, 8}));
+  EXPECT_EQ(lens("rational_polynomial", {1, 2, 3, 4, 5, 6, 7, 8, 0, 0, 0, 0}),
+            (Distortion{1, 2, 3, 4, 5, 6, 7, 8}));
+  EXPECT_FALSE(lens("rational_polynomial", {1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 0, 0}));
+  EXPECT_FALSE(lens("plumb_bob", {1, 2, 3, 4, 5, 6}));
+  EXPECT_FALSE(lens("plumb_bob", {std::nan("")}));
+  EXPECT_FALSE(lens("equidistant", {.1, .2, .3, .4}));
+}
+
+// A lens whose model is not known is told; one whose images were undistorted already is no matter.
+TEST(RosRecordings, AnUnknownLensIsTold) {
+  std::ifstream in(kFixtures / "small.bag", std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  TemporaryFolder folder;
+  const std::string model = "plumb_bob";
+  std::size_t changed = 0;
+  for (auto at = bytes.find(model); at != std::string::npos; at = bytes.find(model, at + 1), ++changed) {
+    bytes.replace(at, model.size(), "fisheye_1");
+    bytes[at + model.size() + 4 + 7] = '\x40';  // the first of the coefficients, 2
+  }
+  ASSERT_GT(changed, 0u);
+  std::ofstream(folder.path() / "bent.bag", std::ios::binary) << bytes;
+  EXPECT_THAT(openSequence(folder.path() / "bent.bag")->info().warnings,
+              ::testing::Contains(AllOf(HasSubstr("fisheye_1"), HasSubstr("image_rect"))));
 }
 
 TEST(RosRecordings, TheTopicCanBeChosen) {
