@@ -14,8 +14,11 @@ namespace rosefusion {
 class IntegratePass {
  public:
   explicit IntegratePass(Device& device);
-  /// Makes the kernel now, not inside the first record().
-  void prepare(const VolumeView& volume) { kernels_.of(volume.chunks(), volume.options().colour); }
+  /// Makes the kernels now, not inside the first record(): a model of colours also fuses frames without.
+  void prepare(const VolumeView& volume) {
+    for (const bool colour : {false, true})
+      if (!colour || volume.options().colour) kernels_.of(volume.chunks(), colour);
+  }
 
   /// Updates all allocated blocks that the camera can see up to `far` metres and that no surface of the frame
   /// hides. The frame's own submit must have ended, and the blocks around the surface must have been
