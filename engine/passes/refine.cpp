@@ -45,6 +45,15 @@ void RefinePass::record(Recorder& recorder, const Volume& volume, const SelectPo
                     params, Threads{parts_ * kRefineGroup, count_});
 }
 
+std::vector<RefineSums> RefinePass::bands(std::size_t candidate, std::size_t most) const {
+  std::vector<RefineSums> out(std::min<std::size_t>(most, parts_), RefineSums{});
+  const auto values = sums_.as<float>().subspan(candidate * parts_ * kRefineSums);
+  for (std::size_t part = 0; part < parts_; ++part)
+    for (std::size_t k = 0; k < kRefineSums; ++k)
+      out[part * out.size() / parts_][k] += values[part * kRefineSums + k];
+  return out;
+}
+
 std::vector<RefineSums> RefinePass::sums() const {
   return addParts<RefineSums>(sums_.as<float>(), count_, parts_);
 }

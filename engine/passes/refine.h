@@ -42,6 +42,8 @@ class RefinePass {
               const shader::CameraIntrinsics& last_camera, const RefineWeights& weights);
   /// After the submit: one entry per pose, in their order.
   std::vector<RefineSums> sums() const;
+  /// The same of one candidate, by so many bands of rows at most: the points are in the image's order.
+  std::vector<RefineSums> bands(std::size_t candidate, std::size_t most) const;
 
  private:
   Device& device_;

@@ -108,6 +108,7 @@ ROSEFUSION_INLINE void addPoints(const NativeVolume& volume, const Asked& a, con
     s[kRefineCost][k] += counts ? cost_weight * (usable ? robust : furthest) : 0.0f;
     s[kRefineCostWeight][k] += read ? cost_weight : 0.0f;
     s[kRefineUsable][k] += read ? 1.0f : 0.0f;
+    s[kRefineRows][k] += read ? py[k] / pz[k] : 0.0f;
     const float close = kCloseDeviations * noise > huber ? kCloseDeviations * noise : huber;
     s[kRefineClose][k] += read & (size < close) ? 1.0f : 0.0f;
     const float per_metre = fits ? truncation * scale : 0.0f;

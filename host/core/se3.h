@@ -9,6 +9,11 @@ using Pose = Eigen::Isometry3d;
 /// A shift in metres and then a turn, by its rotation vector in radians unless said otherwise.
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
+/// Of a camera in its own frame, per second: metres, and radians as a rotation vector.
+struct Velocity {
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
+};
+
 /// Rotation angle of a rigid transform, radians in [0, pi].
 double rotationAngle(const Pose& pose);
 /// Metres between two poses' origins.

@@ -154,6 +154,12 @@ RunSummary reconstruct(FrameSource& source, Pipeline& pipeline, std::size_t max_
   }
   if (colourless > 1) spdlog::warn("{} frames were taken without their colour.", colourless);
   finish(pipeline, summary);
+  if (const double readout = pipeline.readoutSeconds();
+      readout != 0 && pipeline.settings().depth.readout == 0)
+    spdlog::info(
+        "The rows of an image are exposed over {:.0f} ms (rolling shutter), as was measured on the way; "
+        "--set depth.readout={:.3f} corrects the frames before, too.",
+        1000 * std::abs(readout), readout);
   summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return summary;
 }

@@ -94,6 +94,7 @@ Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& p
     if (map.map > 1) one["joined_at"] = map.joined_at ? Json(*map.joined_at) : Json(nullptr);
     report["maps"].push_back(one);
   }
+  if (const double readout = pipeline.readoutSeconds(); readout != 0) report["readout_seconds"] = readout;
   report["seconds"] = summary.seconds;
   report["milliseconds"] = {{"total", milliseconds(&StageMilliseconds::total, false)},
                             {"preprocess", milliseconds(&StageMilliseconds::preprocess, false)},

@@ -129,6 +129,7 @@ void setField(Settings& settings, std::string_view key, const std::string& value
             c.set(static_cast<int>(word - c.words.begin()));
           }},
       field.ref(settings));
+  if (field.key == "depth.readout" && settings.depth.readout != 0) settings.depth.rolling_shutter = true;
   // Who sets the noise by hand means it.
   if (field.key.starts_with("depth.noise_") || field.key == "depth.bias_growth" ||
       field.key == "refine.model_noise")

@@ -25,6 +25,8 @@ struct DepthSettings {
   DepthSensor sensor =
       DepthSensor::Given;  ///< where it names one, the three before it are that one's; resolved()
   bool footprint = false;
+  bool rolling_shutter = false;
+  double readout = 0;  ///< seconds; 0: measured
 
   /// Standard deviation of a depth, metres, without what a surface's share.
   double deviationAt(double depth) const;

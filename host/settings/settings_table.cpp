@@ -96,6 +96,15 @@ std::vector<SettingsField> makeTable() {
           "where depths lie on a plane, a pixel's is that of all that a voxel there covers, which fills the "
           "sensor's holes; off, as in the paper: each pixel stands for itself",
           [](Settings & s) -> auto& { return s.depth.footprint; }),
+      row(
+          "depth.rolling_shutter", "", 0, 1,
+          "rows that were exposed one after the other are put where they would have been seen at once",
+          [](Settings & s) -> auto& { return s.depth.rolling_shutter; }),
+      orAutomatic(row(
+          "depth.readout", "s", -0.2, 0.2,
+          "from the exposure of an image's first row to that of the last, negative from the bottom up; auto: "
+          "measured by how the rows fit the model while the camera moves",
+          [](Settings & s) -> auto& { return s.depth.readout; })),
 
       orAutomatic(row(
           "volume.voxel_size", "m", 0.001, 0.5,

@@ -11,6 +11,7 @@
 #include "host/slam/baselines/pose_methods.h"
 #include "host/slam/device_sums.h"
 #include "host/slam/mapping/depth_image.h"
+#include "host/slam/mapping/rolling_shutter.h"
 
 namespace rosefusion {
 namespace {
@@ -170,22 +171,40 @@ void Pipeline::weighStart(Submap& at, const Frame& frame, FrameResult& result) {
   at.start.rival(frame, told);
 }
 
-FrameResult Pipeline::follow(Submap& at, const Frame& frame) {
+FrameResult Pipeline::follow(Submap& at, const Frame& taken) {
   FrameResult result;
-  result.timestamp = frame.timestamp;
+  result.timestamp = taken.timestamp;
   const StageTimer total(result.milliseconds.total);
+  const auto [frame, readout] = atOnce(at, taken, result);
   preprocess(at, frame, result);
   addOdometry(at.state, frame.motion);
   const FrameEvidence evidence = examine(at, frame, result);
   Decision decision = decide(at.state, evidence, thresholds());
   report(at, evidence, decision, result);
   if (decision.integrate) integrate(at, result);
+  if (result.fit && result.status == TrackingStatus::Tracked)
+    readout_.add(result.fit->readout, readout, historyOf(at.state).motion.secondsSince(frame.timestamp));
   at.state = std::move(decision.next);
   if (decision.pose)
     addPose(at, frame, decision.recovered, result);
   else if (loops_)
     loops_->onTrackingLost();
   return result;
+}
+
+double Pipeline::readoutSeconds() const {
+  const DepthSettings& depth = settings_.depth;
+  if (!depth.rolling_shutter) return 0;
+  return depth.readout != 0 ? depth.readout : readout_.seconds();
+}
+
+Pipeline::AtOnce Pipeline::atOnce(const Submap& at, const Frame& frame, FrameResult& result) const {
+  const StageTimer timer(result.milliseconds.preprocess);
+  const double readout = readoutSeconds();
+  if (readout == 0 || std::holds_alternative<Lost>(at.state)) return {frame, 0};
+  const std::optional<Velocity> velocity = historyOf(at.state).motion.velocity();
+  if (!velocity) return {frame, 0};
+  return {withoutRollingShutter(frame, intrinsics_, depth_units_per_metre_, readout, *velocity), readout};
 }
 
 void Pipeline::preprocess(const Submap& at, const Frame& frame, FrameResult& result) {

@@ -46,6 +46,9 @@ class Pipeline {
   /// Maps of stretches in which the camera was lost, as long as no frame connects them to volume(). None with
   /// loops.enabled.
   std::span<const std::unique_ptr<DetachedMap>> detachedMaps() const { return detached_.all(); }
+  /// Seconds from the exposure of an image's first row to that of the last, as is set or was measured
+  /// (depth.readout); 0 where the rows belong together, as far as is known.
+  double readoutSeconds() const;
   const Settings& settings() const { return settings_; }
   const Intrinsics& intrinsics() const { return intrinsics_; }
 
@@ -59,6 +62,13 @@ class Pipeline {
   FrameResult followInFirst(const Frame& frame);
   /// Of a frame that is not looked for in the first map, where the camera is lost.
   FrameResult unasked(const Frame& frame);
+  /// The frame without rolling shutter, and the readout that it was freed of: 0 where the camera's motion is
+  /// not known.
+  struct AtOnce {
+    Frame frame;
+    double readout;
+  };
+  AtOnce atOnce(const Submap& at, const Frame& frame, FrameResult& result) const;
   void preprocess(const Submap& at, const Frame& frame, FrameResult& result);
   /// Looks for the frame's pose and at what speaks for it; costs go to `result`.
   FrameEvidence examine(Submap& at, const Frame& frame, FrameResult& result);
@@ -94,7 +104,8 @@ class Pipeline {
   SearchObserver observer_;
   Submap first_;
   std::unique_ptr<LoopCloser> loops_;  ///< with loops.enabled
-  cv::Mat metres_;                     ///< the current frame's depthInMetres()
+  ReadoutEstimate readout_;
+  cv::Mat metres_;  ///< the current frame's depthInMetres()
   DetachedMaps detached_;
 };
 

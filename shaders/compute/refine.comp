@@ -91,6 +91,7 @@ void main() {
     if (!usable) continue;
     accumulate(sum[kRefineCostWeight], cost_weight);
     accumulate(sum[kRefineUsable], 1.0);
+    accumulate(sum[kRefineRows], p.y / p.z);
     accumulate(sum[kRefineClose], abs(residual) < max(params.huber, kCloseDeviations * noise) ? 1.0 : 0.0);
     // Beside what was not observed the step to there would look like a slope.
     if (near.largest >= kTruncated) continue;

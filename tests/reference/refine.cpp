@@ -72,12 +72,13 @@ bool heldBy(const Intrinsics& k, const Eigen::Vector3d& point, double around) {
 }
 
 /// What a point adds to the sums when it reads the volume at `position` (voxels); `arm`: from the camera's
-/// centre, in world axes; `held_by_last`: whether the last image holds it; `size`: bounds on the terms, from
-/// the lengths of their factors.
+/// centre, in world axes, and `point` in its own; `held_by_last`: whether the last image holds it; `size`:
+/// bounds on the terms, from the lengths of their factors.
 RefineSums terms(const VoxelValues& values, const VoxelValues& weights, const Eigen::Vector3d& position,
-                 const Eigen::Vector3d& arm, double z, bool held_by_last, const RefineModel& model,
-                 RefineSums* size) {
+                 const Eigen::Vector3d& arm, const Eigen::Vector3d& point, bool held_by_last,
+                 const RefineModel& model, RefineSums* size) {
   RefineSums out = RefineSums::Zero(), bound = RefineSums::Zero();
+  const double z = point.z();
   const Reading reading = interpolate(values, position);
   double variance = model.noise.variance(z);
   if (reading.usable)
@@ -116,7 +117,8 @@ RefineSums terms(const VoxelValues& values, const VoxelValues& weights, const Ei
     const double usual = model.close_deviations * model.noise.deviation(z);
     out[31] = std::abs(residual) < model.huber || std::abs(residual) < usual ? 1 : 0;
   }
-  bound.tail<5>() = out.tail<5>();
+  if (out[30] > 0) out[32] = point.y() / z;
+  bound.tail<6>() = out.tail<6>().cwiseAbs();
   if (size) *size = bound;
   return out;
 }
@@ -135,14 +137,14 @@ std::vector<SumRange> refineSums(const VoxelValues& values, const VoxelValues& w
     const Eigen::Vector3d position = (arm + world_from_camera.translation()) / values.voxelSize();
     const Eigen::Vector3d seen = model.last_from_world * (arm + world_from_camera.translation());
     RefineSums size;
-    RefineSums low = terms(values, weights, position, arm, point.z(), holds(seen), model, &size), high = low;
+    RefineSums low = terms(values, weights, position, arm, point, holds(seen), model, &size), high = low;
     // The terms are smooth within a cell, so the corners of what rounding can reach hold their extremes, and
     // they lie in every cell that it can reach.
     for (int i = 0; i < 8; ++i) {
       const Eigen::Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
       const bool held = holds(seen + kSeenError * seen.norm() * sign);
       const RefineSums at =
-          terms(values, weights, position + kVoxelError * sign, arm, point.z(), held, model, nullptr);
+          terms(values, weights, position + kVoxelError * sign, arm, point, held, model, nullptr);
       low = low.cwiseMin(at);
       high = high.cwiseMax(at);
     }

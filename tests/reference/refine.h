@@ -33,9 +33,9 @@ struct SumRange {
 
 /// In this order: 21 of the upper triangle of J^T W J, row by row; 6 of J^T W r; the robust cost; the cost if
 /// no point read a distance; the cost weights of the points that read one; the number of these; how many of
-/// them are close: nearer than huber, or than noise explains. Unknowns: shift in the world, turn about the
-/// camera's centre.
-constexpr int kRefineSums = 32;
+/// them are close: nearer than huber, or than noise explains; y / z of those that read a distance. Unknowns:
+/// shift in the world, turn about the camera's centre.
+constexpr int kRefineSums = 33;
 
 /// `weights`: what each voxel of `values` gathered.
 std::vector<SumRange> refineSums(const VoxelValues& values, const VoxelValues& weights,

@@ -35,6 +35,19 @@ bool MotionModel::isInterrupted(double timestamp) const {
   return passed > kPause && passed > kPauseIntervals * (last_->timestamp - before_->timestamp);
 }
 
+std::optional<Velocity> MotionModel::velocity() const {
+  if (!before_) return {};
+  const double passed = last_->timestamp - before_->timestamp;
+  if (passed > kLongestInterval) return {};
+  // A turn by a constant rate leaves its own axis where it is.
+  const Eigen::Matrix3d camera_from_world = last_->world_from_camera.linear().transpose();
+  const Eigen::AngleAxisd turn = turnInWorld(before_->world_from_camera, last_->world_from_camera);
+  const Eigen::Vector3d shift =
+      last_->world_from_camera.translation() - before_->world_from_camera.translation();
+  return Velocity{camera_from_world * shift / passed,
+                  camera_from_world * (turn.angle() / passed * turn.axis())};
+}
+
 Pose MotionModel::predict(double timestamp, double longest) const {
   if (!last_) return Pose::Identity();
   Pose out = last_->world_from_camera;

@@ -14,6 +14,8 @@ class MotionModel {
   /// The last pose carried on; as it is where no velocity is known. Velocities fade when nothing was added
   /// for longer than `longest` seconds.
   Pose predict(double timestamp, double longest = 0.2) const;
+  /// Of the camera that predict() carries on, in its own frame; none where it is not known.
+  std::optional<Velocity> velocity() const;
   /// Since the last pose; infinite where there is none.
   double secondsSince(double timestamp) const;
   /// Whether frames seem to be missing before this time: it is far later than the last pose, by the time

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/core/camera.h"
+#include "host/slam/tracking/readout_estimate.h"
 
 namespace rosefusion {
 
@@ -37,7 +38,8 @@ struct PoseFit {
   /// Of a step of moved() (se3.h): metres and radians. What the depth's noise leaves open, at most 1 m and 1
   /// rad; zero where no point finds a surface.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  double colour_cost = 0;  ///< the same of the luminance, in units of `cost`; 0 where colour was not asked
+  ReadoutEvidence readout;  ///< of rows that were not exposed at once
+  double colour_cost = 0;   ///< the same of the luminance, in units of `cost`; 0 where colour was not asked
 
   /// Standard deviations along the worst direction: of the shift, metres; of the turn, radians.
   double shiftDeviation() const;

@@ -8,11 +8,10 @@
 #include <utility>
 
 #include "host/slam/shader_types.h"
+#include "host/slam/tracking/symmetric.h"
 
 namespace rosefusion {
 namespace {
-
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 // So many of the pixels that are looked at err as one: noise is alike over patches, and the model errs with
 // them (tests/bench/notes/tracking.md#covariance).
@@ -26,6 +25,8 @@ constexpr int kOpenBeforeAPlane = 3;
 // Of the model's slopes, noise is alike over about a voxel: so far a pose is moved to see whether its cost
 // rises (tests/bench/notes/tracking.md#constraints-that-noise-feigns).
 constexpr double kProbeVoxels = 1;
+
+constexpr std::size_t kBands = 16;  // of rows, in each of which all are taken for the middle one
 
 constexpr double kLeastDamping = 1e-6, kMostDamping = 1e3;
 
@@ -44,15 +45,6 @@ Eigen::Matrix4d imageFromCamera(const Intrinsics& k) {
 Eigen::Matrix4d allInItsMiddle(const shader::CameraIntrinsics& camera) {
   Eigen::Matrix4d out = Eigen::Matrix4d::Zero();
   out.col(3) << 0.5e6 * camera.size.x, 0.5e6 * camera.size.y, 1e6, 1;
-  return out;
-}
-
-/// A symmetric matrix from its upper triangle, row by row.
-template <int kSize>
-Eigen::Matrix<double, kSize, kSize> symmetric(const double* entry) {
-  Eigen::Matrix<double, kSize, kSize> out;
-  for (int row = 0; row < kSize; ++row)
-    for (int column = row; column < kSize; ++column) out(row, column) = out(column, row) = *entry++;
   return out;
 }
 
@@ -124,6 +116,7 @@ struct PoseRefiner::Descent {
   Place place;
   Evaluation at;
   LocalModel model;
+  std::vector<RefineSums> bands;  ///< of `at`
   double damping = 1e-3;
   int trials = 0;
   bool finished = false;
@@ -148,6 +141,7 @@ PoseRefiner::PoseRefiner(Device& device, const Settings& settings, const Intrins
       trials_at_once_(trials_at_once > 0                      ? trials_at_once
                       : device.info().type == DeviceType::Cpu ? 1
                                                               : 4),
+      intrinsics_(intrinsics),
       camera_(toShader(intrinsics)),
       image_from_camera_(imageFromCamera(intrinsics)),
       recorder_(device),
@@ -227,6 +221,8 @@ PoseFit PoseRefiner::fitOf(const Descent& d) const {
     // The equations' weights are shares of the smallest variance that a depth can have.
     const double variance = kAlike * std::pow(weights_.noise.floor, 2);
     fit.covariance = (d.model.information / variance + Matrix6::Identity()).inverse();
+    if (last_)
+      fit.readout = readoutEvidence(d.bands, difference(*last_, d.place.pose), intrinsics_, variance);
   }
   if (sums[shader::kRefineMostCost] > 0) {
     fit.cost = sums[shader::kRefineCost] / sums[shader::kRefineMostCost];
@@ -290,7 +286,7 @@ std::vector<PoseFit> PoseRefiner::refine(const Volume& volume, std::span<const P
   }
   std::vector<Descent> descents;
   for (std::size_t i = 0; i < starts.size(); ++i)
-    descents.push_back({places[i], first[i], modelOf(first[i])});
+    descents.push_back({places[i], first[i], modelOf(first[i]), refine_.bands(i, kBands)});
   while (true) {
     std::vector<Trial> trials;
     for (Descent& d : descents) propose(d, iterations, expected, trials);
@@ -318,6 +314,7 @@ std::vector<PoseFit> PoseRefiner::refine(const Volume& volume, std::span<const P
         d.place = trials[k].place;
         d.at = found[k];
         d.model = modelOf(found[k]);
+        d.bands = refine_.bands(k, kBands);
       }
       d.finished = ends(trials[k].step, d.damping);
     }

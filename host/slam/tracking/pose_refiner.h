@@ -65,6 +65,7 @@ class PoseRefiner {
   const RefineWeights weights_;
   const double colour_weight_;  ///< of a squared luminance, in squared metres
   const int trials_at_once_;
+  const Intrinsics intrinsics_;
   const shader::CameraIntrinsics camera_;
   const Eigen::Matrix4d image_from_camera_;
   std::optional<Pose> last_;

@@ -30,7 +30,8 @@ const uint kRefineMostCost = 28u;    // the same if no point had a distance
 const uint kRefineCostWeight = 29u;  // weights, in the cost, of the points that read a distance
 const uint kRefineUsable = 30u;  // points that read a distance: all eight voxels around inside the truncation
 const uint kRefineClose = 31u;   // of these, nearer to the surface than RefineParams.huber or twice the noise
-const uint kRefineSums = 32u;
+const uint kRefineRows = 32u;    // y / z of the points that read a distance: how far down the image they are
+const uint kRefineSums = 33u;
 
 struct RefineCandidate {
   mat4 world_from_camera;
