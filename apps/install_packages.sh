@@ -15,7 +15,7 @@ packages=(
   libeigen3-dev libglm-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libopencv-calib3d-dev
   libembree-dev libassimp-dev libcli11-dev libspdlog-dev nlohmann-json3-dev libyaml-cpp-dev libnanoflann-dev
   liblz4-dev libzstd-dev libsqlite3-dev zlib1g-dev libzip-dev libebml-dev libmatroska-dev
-  libmeshoptimizer-dev gnuplot-nox
+  libmeshoptimizer-dev libstb-dev gnuplot-nox
 )
 live=(libzmq3-dev cppzmq-dev libopenni2-dev libglfw3-dev libimgui-dev fonts-dejavu-core libceres-dev)
 case "${1:-}" in

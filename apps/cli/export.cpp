@@ -1,10 +1,13 @@
 // rosefusion export: a result for other programs.
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <map>
+#include <optional>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/export_texture.h"
 #include "apps/cli/export_views.h"
 #include "apps/cli/validators.h"
 #include "host/core/error.h"
@@ -31,6 +34,8 @@ struct ExportArguments {
   std::string up;
   std::vector<double> up_is;
   std::string recording;
+  bool texture = false;
+  int texture_size = 4096;  ///< texels
 };
 
 /// What a file is written as, by its ending where --as does not say.
@@ -48,7 +53,14 @@ std::string formatOf(const fs::path& file, const std::string& as) {
 
 class Exporter {
  public:
-  explicit Exporter(const ExportArguments& o) : o_(o), result_(readResult(o.result)) {}
+  explicit Exporter(const ExportArguments& o) : o_(o), result_(readResult(o.result)) {
+    const auto takesTexture = [&](const std::string& file) {
+      const std::string format = formatOf(file, o.as);
+      return format == "glb" || format == "obj";
+    };
+    if (o.texture && std::none_of(o.to.begin(), o.to.end(), takesTexture))
+      throw InputError("--texture: only .glb and .obj have textures; give --to a file that ends so.");
+  }
 
   void write(const fs::path& file) {
     const std::string format = formatOf(file, o_.as);
@@ -128,6 +140,7 @@ class Exporter {
     const std::size_t before = surface.triangles.size();
     if (o_.max_error > 0 || o_.triangles > 0)
       surface = decimated(surface, {o_.max_error > 0 ? o_.max_error : 1e3, o_.triangles});
+    if (o_.texture && format != "ply") return writeTextured(file, format, surface);
     turn(surface, rotation(format == "glb" ? "y" : "keep"));
     if (format == "glb")
       writeFileAtomically(file, glbOf(surface));
@@ -138,8 +151,26 @@ class Exporter {
     std::printf("%zu of %zu triangles:", surface.triangles.size(), before);
   }
 
+  void writeTextured(const fs::path& file, const std::string& format, const TriangleMesh& surface) {
+    if (!textured_) {
+      requireWritable(file);
+      textured_ = texturedResult(result_, surface, o_.recording, o_.texture_size);
+    }
+    TexturedMesh turned = *textured_;
+    turn(turned.mesh, rotation(format == "glb" ? "y" : "keep"));
+    if (format == "glb")
+      writeFileAtomically(file, glbOf(turned));
+    else
+      writeTexturedObj(file, turned);
+    std::printf(
+        "%zu triangles, texture of %d x %d from %zu images, %zu pieces, %zu triangles that none sees:",
+        turned.mesh.triangles.size(), turned.texture.cols, turned.texture.rows, turned.views, turned.charts,
+        turned.unseen);
+  }
+
   const ExportArguments& o_;
   RunResult result_;
+  std::optional<TexturedMesh> textured_;
   TriangleMesh mesh_;
   bool warned_ = false;
 };
@@ -177,10 +208,21 @@ void addExportCommand(CLI::App& app) {
           "X,Y,Z: what is up in the result's own axes; else the floor's normal, or how cameras were held")
       ->delimiter(',')
       ->expected(3);
-  command->add_option("--recording", o->recording, "Where the recording lies now, for nerfstudio and colmap");
+  command->add_option("--recording", o->recording,
+                      "Where the recording lies now, for --texture, nerfstudio and colmap");
+  command->add_flag(
+      "--texture", o->texture,
+      ".glb and .obj with a texture made of the recording's images, in place of vertex colours");
+  command
+      ->add_option(
+          "--texture-size", o->texture_size,
+          "Texels that the texture may be wide and high; it is smaller where the images have no more to show")
+      ->check(CLI::Range(256, 16384))
+      ->capture_default_str();
   command->footer(
       "Examples:\n"
       "  rosefusion export out/desk --to desk.glb --max-error 0.005\n"
+      "  rosefusion export out/desk --to desk.glb --max-error 0.005 --texture\n"
       "  rosefusion export out/desk --to desk.ply --up z --to desk.html\n"
       "  rosefusion export out/desk --to nerf --as nerfstudio    # transforms.json, images/, depth/");
   command->callback([o] {

@@ -8,7 +8,6 @@
 #include "host/core/error.h"
 #include "host/core/file_io.h"
 #include "host/core/number_text.h"
-#include "host/datasets/sequence.h"
 #include "host/export/pose_formats.h"
 
 namespace rosefusion::cli {
@@ -22,17 +21,22 @@ void writeImage(const std::filesystem::path& file, const cv::Mat& image) {
 
 }  // namespace
 
-void exportViews(const RunResult& result, const std::filesystem::path& recording,
-                 const std::filesystem::path& folder, ViewFormat format) {
+std::unique_ptr<Sequence> openImages(const RunResult& result, const std::filesystem::path& recording) {
   const std::filesystem::path source = recording.empty() ? result.recording : recording;
   if (!std::filesystem::exists(source))
     throw InputError(source.string() + ": the recording of " + result.folder.string() +
                      " is not there, and its images are needed; say where it is with --recording.");
   SequenceOptions options;
   options.colour = true;
-  const auto sequence = openSequence(source, options);
+  return openSequence(source, options);
+}
+
+void exportViews(const RunResult& result, const std::filesystem::path& recording,
+                 const std::filesystem::path& folder, ViewFormat format) {
+  const auto sequence = openImages(result, recording);
+  const std::string source = sequence->info().path.string();
   if (!sequence->info().has_colour)
-    throw InputError(source.string() +
+    throw InputError(source +
                      ": has no colour images registered to depth, which this format is made of; export poses "
                      "with --as tum or kitti instead.");
   std::vector<ExportedView> views;
@@ -59,7 +63,7 @@ void exportViews(const RunResult& result, const std::filesystem::path& recording
     views.push_back(view);
   }
   if (views.empty())
-    throw InputError(source.string() + ": no frame with a pose has a colour image; is it the recording of " +
+    throw InputError(source + ": no frame with a pose has a colour image; is it the recording of " +
                      result.folder.string() + "?");
   const Intrinsics& k = result.camera.value_or(sequence->info().intrinsics);
   if (format == ViewFormat::Nerfstudio) {

@@ -2,9 +2,14 @@
 #pragma once
 #include <filesystem>
 
+#include "host/datasets/sequence.h"
 #include "host/run/result.h"
 
 namespace rosefusion::cli {
+
+/// The recording of a result, with colour where it has any: at `recording`, or where that is empty where the
+/// run found it. Throws InputError.
+std::unique_ptr<Sequence> openImages(const RunResult& result, const std::filesystem::path& recording);
 
 enum class ViewFormat { Nerfstudio, Colmap };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "host/core/error.h"
 #include "host/core/file_io.h"
@@ -25,10 +26,10 @@ std::uint16_t linearOf(std::uint8_t srgb) {
 /// The parts of a .glb's binary chunk, each at a multiple of four bytes.
 class Buffer {
  public:
-  /// The view's index.
+  /// The view's index. `target`: what a device uses it for; 0: it does not.
   std::size_t add(const void* data, std::size_t size, int target) {
-    views_.push_back(
-        {{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", size}, {"target", target}});
+    views_.push_back({{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", size}});
+    if (target) views_.back()["target"] = target;
     bytes_.append(static_cast<const char*>(data), size);
     bytes_.resize((bytes_.size() + 3) / 4 * 4, '\0');
     return views_.size() - 1;
@@ -48,6 +49,17 @@ void appendChunk(std::string& out, const char* type, const std::string& bytes) {
   out += bytes;
 }
 
+std::string jpegOf(const cv::Mat& image) {
+  constexpr int kQuality = 95;  // less is seen at the edges of what is coloured
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality});
+  return {bytes.begin(), bytes.end()};
+}
+
+/// `textured`: what the mesh is part of, or null.
+std::string glb(const TriangleMesh& mesh, const TexturedMesh* textured);
+std::string obj(const TriangleMesh& mesh, const TexturedMesh* textured, const std::string& materials);
+
 }  // namespace
 
 bool hasColours(const TriangleMesh& mesh) {
@@ -56,6 +68,31 @@ bool hasColours(const TriangleMesh& mesh) {
 }
 
 std::string glbOf(const TriangleMesh& mesh) {
+  return glb(mesh, nullptr);
+}
+
+std::string glbOf(const TexturedMesh& textured) {
+  return glb(textured.mesh, &textured);
+}
+
+std::string objOf(const TriangleMesh& mesh) {
+  return obj(mesh, nullptr, "");
+}
+
+void writeTexturedObj(const std::filesystem::path& file, const TexturedMesh& textured) {
+  std::string name = file.stem().string();
+  std::replace(name.begin(), name.end(), ' ', '_');
+  const std::string image = name + "_texture.jpg", materials = name + ".mtl";
+  writeFileAtomically(file.parent_path() / image, jpegOf(textured.texture));
+  writeFileAtomically(
+      file.parent_path() / materials,
+      "# rosefusion\nnewmtl texture\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd " + image + "\n");
+  writeFileAtomically(file, obj(textured.mesh, &textured, materials));
+}
+
+namespace {
+
+std::string glb(const TriangleMesh& mesh, const TexturedMesh* textured) {
   constexpr int kVertices = 34962, kIndices = 34963, kFloat = 5126, kShort = 5123, kInt = 5125;
   Eigen::Vector3f low = mesh.vertices.at(0), high = low;
   for (const Eigen::Vector3f& v : mesh.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
@@ -80,15 +117,32 @@ std::string glbOf(const TriangleMesh& mesh) {
   Json material = {{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}},
                    {"doubleSided", true}};
   Json root = {{"asset", {{"version", "2.0"}, {"generator", "rosefusion"}}}};
-  if (hasColours(mesh)) {
+  const auto setUnlit = [&] {
+    material["extensions"]["KHR_materials_unlit"] = Json::object();
+    root["extensionsUsed"] = {"KHR_materials_unlit"};
+  };
+  if (textured) {
+    const std::size_t view = buffer.add(textured->texture_coordinates.data(), 8 * count, kVertices);
+    attributes["TEXCOORD_0"] = addAccessor(view, kFloat, count, "VEC2");
+    const std::string image = jpegOf(textured->texture);
+    root["images"] = {
+        {{"bufferView", buffer.add(image.data(), image.size(), 0)}, {"mimeType", "image/jpeg"}}};
+    constexpr int kLinear = 9729, kLinearMipmapLinear = 9987, kClampToEdge = 33071;
+    root["samplers"] = {{{"magFilter", kLinear},
+                         {"minFilter", kLinearMipmapLinear},
+                         {"wrapS", kClampToEdge},
+                         {"wrapT", kClampToEdge}}};
+    root["textures"] = {{{"sampler", 0}, {"source", 0}}};
+    material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+    setUnlit();
+  } else if (hasColours(mesh)) {
     std::vector<std::array<std::uint16_t, 4>> colours;
     for (const auto& c : mesh.colours)
       colours.push_back({linearOf(c[0]), linearOf(c[1]), linearOf(c[2]), 65535});
     const std::size_t view = buffer.add(colours.data(), 8 * count, kVertices);
     attributes["COLOR_0"] = addAccessor(view, kShort, count, "VEC4");
     accessors.back()["normalized"] = true;
-    material["extensions"]["KHR_materials_unlit"] = Json::object();
-    root["extensionsUsed"] = {"KHR_materials_unlit"};
+    setUnlit();
   }
   const std::size_t indices = 3 * mesh.triangles.size();
   const std::size_t index_accessor =
@@ -116,9 +170,10 @@ std::string glbOf(const TriangleMesh& mesh) {
   return out;
 }
 
-std::string objOf(const TriangleMesh& mesh) {
+std::string obj(const TriangleMesh& mesh, const TexturedMesh* textured, const std::string& materials) {
   TextStream out;
   out << "# rosefusion, metres\n" << std::fixed;
+  if (textured) out << "mtllib " << materials << "\nusemtl texture\n";
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Eigen::Vector3d v = mesh.vertices[i].cast<double>() + mesh.origin;
     out << printed("v %.5f %.5f %.5f", v.x(), v.y(), v.z());
@@ -128,18 +183,25 @@ std::string objOf(const TriangleMesh& mesh) {
     }
     out << '\n';
   }
+  if (textured)  // from the bottom here, and to a tenth of a texel of the largest textures
+    for (const Eigen::Vector2f& t : textured->texture_coordinates)
+      out << printed("vt %.6f %.6f\n", double(t.x()), 1 - double(t.y()));
   for (const Eigen::Vector3f& n : mesh.normals)
     out << printed("vn %.4f %.4f %.4f\n", double(n.x()), double(n.y()), double(n.z()));
   for (const auto& t : mesh.triangles) {
     out << 'f';
     for (const std::uint32_t v : t) {
       out << ' ' << v + 1;
-      if (!mesh.normals.empty()) out << "//" << v + 1;
+      if (textured || !mesh.normals.empty()) out << '/';
+      if (textured) out << v + 1;
+      if (!mesh.normals.empty()) out << '/' << v + 1;
     }
     out << '\n';
   }
   return out.str();
 }
+
+}  // namespace
 
 void writeMesh(const std::filesystem::path& file, const TriangleMesh& mesh) {
   const std::string ending = lowered(file.extension().string());

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "host/core/mesh.h"
+#include "host/export/texture/texturing.h"
 
 namespace rosefusion {
 
@@ -16,6 +17,13 @@ std::string glbOf(const TriangleMesh& mesh);
 
 /// With colours behind the positions, as MeshLab, Blender and CloudCompare read them.
 std::string objOf(const TriangleMesh& mesh);
+
+/// With the texture inside, as JPEG, not lit either: light is in the images already.
+std::string glbOf(const TexturedMesh& textured);
+
+/// NAME.obj, and before it, so that it finds them, NAME.mtl and NAME_texture.jpg (with _ for spaces, which
+/// some programs take for the end of a name). Throws InputError where they cannot be written.
+void writeTexturedObj(const std::filesystem::path& file, const TexturedMesh& textured);
 
 /// By the file's ending: .glb, .obj or .ply. Throws InputError for another, for an empty mesh, and where it
 /// cannot be written.

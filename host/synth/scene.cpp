@@ -4,12 +4,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <string>
 #include <utility>
 
 #include "host/core/error.h"
 #include "host/core/number_text.h"
+#include "host/core/split_edges.h"
 #include "host/export/mesh_io.h"
 
 namespace rosefusion {
@@ -56,42 +56,6 @@ float patternValue(const Material& material, const Eigen::Vector3d& point) {
       break;
   }
   return 0.75f + 0.25f * valueNoise(p) - 0.15f * valueNoise(p * 4.1);
-}
-
-/// Bisects every edge longer than `longest`; neighbours share the new vertices, so the surface stays closed.
-void splitLongEdges(TriangleMesh& mesh, float longest) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> midpoints;
-  const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-    const auto [entry, is_new] =
-        midpoints.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(mesh.vertices.size()));
-    if (is_new) {
-      mesh.vertices.push_back((mesh.vertices[a] + mesh.vertices[b]) / 2);
-      if (!mesh.normals.empty()) mesh.normals.push_back((mesh.normals[a] + mesh.normals[b]).normalized());
-      if (!mesh.colours.empty()) {
-        auto colour = mesh.colours[a];
-        for (int i = 0; i < 3; ++i)
-          colour[i] = static_cast<std::uint8_t>((colour[i] + mesh.colours[b][i]) / 2);
-        mesh.colours.push_back(colour);
-      }
-    }
-    return entry->second;
-  };
-  for (std::size_t i = 0; i < mesh.triangles.size();) {
-    const auto t = mesh.triangles[i];
-    int edge = 0;
-    float length = 0;
-    for (int e = 0; e < 3; ++e) {
-      const float l = (mesh.vertices[t[e]] - mesh.vertices[t[(e + 1) % 3]]).norm();
-      if (l > length) length = l, edge = e;
-    }
-    if (length <= longest) {
-      ++i;
-      continue;
-    }
-    const std::uint32_t a = t[edge], b = t[(edge + 1) % 3], c = t[(edge + 2) % 3], m = middle(a, b);
-    mesh.triangles[i] = {a, m, c};
-    mesh.triangles.push_back({m, b, c});
-  }
 }
 
 constexpr float kLongestEdge = 0.3f;

@@ -21,8 +21,23 @@ fi
 
 if [[ $part == gltf ]]; then
   "$program" export "$folder/o" --to "$folder/a.glb" --max-error 0.01 --to "$folder/b.obj"
+  "$program" export "$folder/o" --to "$folder/d.glb" --to "$folder/e f.obj" --max-error 0.01 --texture
+  for file in "e f.obj" e_f.mtl e_f_texture.jpg; do [[ -s $folder/$file ]] || fail "there is no $file."; done
+  refused() {  # WORDS ARGUMENTS...: one sentence with the words, and nothing written
+    local words=$1 said code=0
+    shift
+    said=$("$program" export "$@" --to "$folder/no.glb" --texture 2>&1) || code=$?
+    [[ $code == 2 && $said == *"$words"* && ! -e $folder/no.glb ]] || fail "export $* says with $code: $said"
+  }
+  mv "$folder/s" "$folder/moved"
+  refused "--recording" "$folder/o"
+  "$program" export "$folder/o" --to "$folder/g.glb" --texture --texture-size 512 --recording "$folder/moved"
+  mv "$folder/moved" "$folder/s"
+  code=0; "$program" export "$folder/o" --to "$folder/no.ply" --texture 2>/dev/null || code=$?
+  [[ $code == 2 && ! -e $folder/no.ply ]] || fail "a .ply with a texture was not refused."
   "$program" synth "$folder/t" --frames 24 --width 320 --height 240 --no-colour >/dev/null
   "$program" run "$folder/t" --out "$folder/p" --no-page >/dev/null
+  refused "no colour" "$folder/p"
   [[ ! -e $folder/p/view.html ]] || fail "--no-page wrote a page."
   "$program" export "$folder/p" --to "$folder/c.glb" --up z
   cat >"$folder/validate.js" <<'JS'
@@ -32,7 +47,7 @@ validator.validateBytes(new Uint8Array(fs.readFileSync(process.argv[2]))).then((
   process.exit(issues.numErrors + issues.numWarnings === 0 ? 0 : 1);
 });
 JS
-  for file in a.glb c.glb; do (cd "$folder" && node validate.js "$folder/$file") || fail "the validator finds fault with $file."; done
+  for file in a.glb c.glb d.glb g.glb; do (cd "$folder" && node validate.js "$folder/$file") || fail "the validator finds fault with $file."; done
   "$program" export "$folder/o" --to "$folder/n" --as nerfstudio >/dev/null
   node -e 'const t = JSON.parse(require("fs").readFileSync(process.argv[1] + "/transforms.json"));
     for (const f of t.frames) for (const p of [f.file_path, f.depth_file_path]) require("fs").accessSync(process.argv[1] + "/" + p);
