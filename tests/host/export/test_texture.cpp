@@ -203,19 +203,27 @@ TEST(Texture, ShowsEdgesSharperThanVertexColours) {
   EXPECT_LT(texture_all, vertex_all);
 }
 
+/// Square metres of the triangles that an image shows, which come first.
+double seenArea(const TexturedMesh& textured) {
+  TriangleMesh seen = textured.mesh;
+  seen.triangles.resize(seen.triangles.size() - textured.unseen);
+  return areaOf(seen);
+}
+
+// No image shows a wall's two triangles whole.
 TEST(Texture, LargeTrianglesAreSplitForIt) {
   const TexturedMesh mesh = textured(room().sequence().mesh, room().frames(), room().options());
   EXPECT_GT(mesh.mesh.triangles.size(), room().sequence().mesh.triangles.size());
   EXPECT_NEAR(areaOf(mesh.mesh), areaOf(room().mesh()), 1e-2);
-  EXPECT_LT(textureError(mesh, true), vertexError(true));
+  EXPECT_GT(seenArea(mesh), 0.7 * seenArea(texturedRoom()));
 }
 
 TEST(Texture, FitsIntoTheSizeThatIsGiven) {
   TexturingOptions options = room().options();
-  options.largest = 1024;
-  const TexturedMesh mesh = textured(room().mesh(), room().frames(), options);
-  EXPECT_LE(mesh.texture.cols, 1024);
-  EXPECT_LE(mesh.texture.rows, 1024);
+  options.largest = 2048;
+  const TexturedMesh mesh = textured(room().sequence().mesh, room().frames(), options);
+  EXPECT_LE(mesh.texture.cols, 2048);
+  EXPECT_LE(mesh.texture.rows, 2048);
   options.largest = 16;
   EXPECT_THROW(textured(room().mesh(), room().frames(), options), InputError);
 }
