@@ -7,7 +7,7 @@
 
 #include "host/bench/pass_bench.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_pass_bench {
 
 TEST(PassBench, ReportHasTheRequiredFigures) {
@@ -67,4 +67,4 @@ TEST(PassBench, LossesThatDisagreeAreAnError) {
 }
 
 }  // namespace test_pass_bench
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

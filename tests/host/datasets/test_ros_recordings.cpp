@@ -9,7 +9,7 @@
 #include "host/datasets/sequence.h"
 #include "tests/host/datasets/fixtures.h"
 
-namespace rosefusion::test {
+namespace rosefusion::testing {
 namespace test_ros_recordings {
 
 using ::testing::HasSubstr;
@@ -123,4 +123,4 @@ TEST(RosRecordings, ARecordingOfTheRealSenseSdk) {
 }
 
 }  // namespace test_ros_recordings
-}  // namespace rosefusion::test
+}  // namespace rosefusion::testing
