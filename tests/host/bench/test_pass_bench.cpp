@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "host/bench/pass_agreement.h"
 #include "host/bench/pass_bench.h"
 
 namespace rosefusion::testing {
