@@ -193,8 +193,7 @@ void Session::begin() {
   });
   pipeline_.reset();
   source_.reset();
-  path_.clear();
-  last_pose_.reset();
+  path_ = {};
   SourceOptions options = source_options_;
   options.sequence.colour = settings_.volume.colour;
   const auto stop = [this] {  // what is to be done with this source waits for it
@@ -280,65 +279,33 @@ void Session::nextFrame() {
 /// Weighs the loops once more, as Pipeline::finish() does.
 void Session::end() {
   pipeline_->finish();
-  if (correctPath())
+  if (path_.correct(pipeline_->trajectory()))
     update([&](Snapshot& s) {
-      if (s.last && last_pose_) s.last->world_from_camera = last_pose_->world_from_camera;
-      s.path = std::make_shared<std::vector<PathPoint>>(path_);
+      if (s.last && path_.last()) s.last->world_from_camera = path_.last()->world_from_camera;
+      s.path = std::make_shared<std::vector<PathPoint>>(path_.points());
       ++s.model_number;
       s.model = pipeline_->volume().view();
     });
   finish(Phase::Finished, "The sequence has ended.", false);
 }
 
-/// Takes over what poses became after they were told. False where there are none.
-bool Session::correctPath() {
-  const Trajectory& poses = pipeline_->trajectory();
-  if (poses.empty() || path_.empty()) return false;
-  for (std::size_t i = 0; i < std::min(path_.size(), poses.size()); ++i)
-    path_[i].position = poses[i].world_from_camera.translation();
-  if (last_pose_) last_pose_ = poses[std::min(path_.size(), poses.size()) - 1];
-  return true;
-}
-
 void Session::publish(const SourceFrame& frame, const FrameResult& result) {
   const bool found = result.status != TrackingStatus::Lost;
-  if (result.loop || result.stretch_closed) correctPath();
+  path_.add(result, pipeline_->trajectory(), source_->info().seconds_per_stamp);
   if (result.loop) say(told(*result.loop));
   for (const JoinedMap& joined : result.joined)
     if (joined.into == 1) say("A map that was made while the camera was lost is connected to the first.");
-  if (result.began_anew) {
-    path_.assign(1, {Eigen::Vector3d::Zero(), 0, false});
-    last_pose_ = StampedPose{last_timestamp_, Pose::Identity()};
+  if (result.began_anew)
     say("The model begins anew: what it held fits neither of the last two frames.", true);
-  }
-  last_timestamp_ = result.timestamp;
-  double speed = 0, turn_rate = 0;
-  for (const RecoveredPose& recovered : result.recovered)
-    path_.insert(path_.begin() + static_cast<std::ptrdiff_t>(std::min(recovered.number, path_.size())),
-                 {recovered.pose.world_from_camera.translation(), 0, false});
-  if (found) {
-    const StampedPose now{result.timestamp, result.world_from_camera};
-    const double seconds =
-        last_pose_ ? (now.timestamp - last_pose_->timestamp) * source_->info().seconds_per_stamp : 0;
-    if (seconds > 0) {
-      const Pose moved = last_pose_->world_from_camera.inverse() * now.world_from_camera;
-      speed = moved.translation().norm() / seconds;
-      turn_rate = rotationAngle(moved) / seconds;
-    }
-    path_.push_back({now.world_from_camera.translation(), speed, seconds > 0});
-    last_pose_ = now;
-  } else {
-    last_pose_.reset();
-  }
   const cv::Mat depth = colouredDepth(frame.frame.depth, source_->info().depth_units_per_metre);
   update([&](Snapshot& s) {
     ++s.frames;
     s.dropped += frame.dropped;
     s.last = result;
-    s.speed = speed;
-    s.turn_rate = turn_rate;
+    s.speed = path_.speed();
+    s.turn_rate = path_.turnRate();
     s.frames_per_second = 1000 / std::max(result.milliseconds.total, 1e-3);
-    s.path = std::make_shared<std::vector<PathPoint>>(path_);
+    s.path = std::make_shared<std::vector<PathPoint>>(path_.points());
     s.swarm = std::make_shared<std::vector<SwarmIteration>>(swarm_);
     s.depth = depth;
     ++s.depth_number;

@@ -10,6 +10,7 @@
 #include <optional>
 #include <thread>
 
+#include "apps/viewer/shown_path.h"
 #include "host/settings/automatic.h"
 #include "host/slam/pipeline.h"
 #include "host/sources/open_source.h"
@@ -29,12 +30,6 @@ struct SwarmIteration {
     float loss;          ///< 0 is best
   };
   std::vector<Particle> shown;
-};
-
-struct PathPoint {
-  Eigen::Vector3d position;  ///< metres, world
-  double speed = 0;          ///< m/s, since the point before
-  bool connected = false;    ///< no frame was lost in between
 };
 
 /// What there is to show. Copies are cheap: what is large is shared and never changed.
@@ -97,7 +92,6 @@ class Session {
   void begin();
   void nextFrame();
   void end();
-  bool correctPath();
   void publish(const SourceFrame& frame, const FrameResult& result);
   template <typename Change>
   void update(Change change);
@@ -111,10 +105,8 @@ class Session {
   std::unique_ptr<FrameSource> source_;
   std::optional<SceneMeasures> scene_;  ///< of its first images
   std::unique_ptr<Pipeline> pipeline_;
-  std::vector<PathPoint> path_;
+  ShownPath path_;
   std::vector<SwarmIteration> swarm_;
-  std::optional<StampedPose> last_pose_;
-  double last_timestamp_ = 0;  ///< of the frame processed last
   // Shared.
   mutable std::mutex mutex_;
   std::condition_variable changed_;

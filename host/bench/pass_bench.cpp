@@ -2,11 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <cmath>
 #include <optional>
-#include <stdexcept>
 #include <thread>
 
 #include "engine/passes/extract.h"
@@ -18,8 +14,8 @@
 #include "host/bench/native_pairs.h"
 #include "host/bench/native_raycast.h"
 #include "host/bench/native_refine.h"
+#include "host/bench/pass_agreement.h"
 #include "host/core/log_to_spdlog.h"
-#include "host/core/number_text.h"
 #include "host/slam/shader_types.h"
 #include "host/swarm/template_sampling.h"
 
@@ -44,50 +40,6 @@ std::vector<glm::vec4> templatesFor(const Settings& settings) {
       out.emplace_back(p[0], p[1], p[2], 0);
       out.emplace_back(p[3], p[4], p[5], 0);
     }
-  return out;
-}
-
-// What rounding may do. Depths and points are compared to a tenth of a millimetre; where it decides whether a
-// pixel is an edge or lies on a plane, they differ by more. Voxels see another pixel beside it, and rays
-// another candidate at the rim of what they hit.
-constexpr double kDepthTolerance = 1e-4, kPixelsApart = 2e-3;
-constexpr double kTsdfTolerance = 0.01, kWeightTolerance = 0.02, kVoxelsApart = 2e-3;
-constexpr double kSumTolerance = 1e-3;
-constexpr double kHitTolerance = 0.1, kShadeTolerance = 4, kRaysApart = 0.01;  // voxels; of 255
-
-/// The sums of a candidate in units in which a point weighs alike: the diagonal's, or what bounds them.
-std::vector<float> comparable(std::span<const RefineSums> all, std::span<const RefineSums> unit,
-                              float huber) {
-  using namespace shader;
-  std::vector<float> out;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const RefineSums &sums = all[i], &of = unit[i];
-    std::array<double, 6> length;
-    std::size_t entry = kRefineHessian;
-    for (int row = 0; row < 6; entry += 6 - row++) length[row] = std::sqrt(std::max(of[entry], 1e-12));
-    entry = kRefineHessian;
-    for (int row = 0; row < 6; ++row) {
-      for (int column = row; column < 6; ++column)
-        out.push_back(static_cast<float>(sums[entry++] / (length[row] * length[column])));
-      const double points = std::sqrt(std::max(of[kRefineUsable], 1.0)) * huber;
-      out.push_back(static_cast<float>(sums[kRefineGradient + row] / (length[row] * points)));
-    }
-    for (const std::size_t k : {kRefineCost, kRefineMostCost, kRefineCostWeight, kRefineUsable, kRefineClose})
-      out.push_back(static_cast<float>(sums[k] / std::max(of[k], 1e-12)));
-  }
-  return out;
-}
-
-std::vector<float> bytesOf(std::span<const std::uint32_t> words) {
-  std::vector<float> out;
-  for (const std::uint32_t word : words)
-    for (int shift = 0; shift < 32; shift += 8) out.push_back(static_cast<float>(word >> shift & 0xFF));
-  return out;
-}
-
-std::vector<float> numbersOf(std::span<const glm::vec4> points) {
-  std::vector<float> out;
-  for (const glm::vec4& p : points) out.insert(out.end(), {p.x, p.y, p.z, p.w});
   return out;
 }
 
@@ -117,7 +69,9 @@ class Bench {
             counted, [&] { scene_.load(i); },
             [&] { nativePreprocess(scene_.preprocessing(), scene_.raw(i), frame, threads_); });
         const std::vector<float> depth = scene_.fetch<float>(scene_.frame().depth, frame.depth.size());
-        apart = std::max(apart, pixelsApart(depth, frame));
+        apart = std::max(
+            apart, pixelsApart(depth, scene_.fetch<glm::vec4>(scene_.frame().points, frame.points.size()),
+                               scene_.frame().reach().farthest, frame));
         const PassTime a = timed([&] { scene_.allocateBlocks(i); });
         if (counted) allocate.push_back(a);
         if (twin)
@@ -137,8 +91,10 @@ class Bench {
     report.allocate = median(allocate);
     if (twin) {
       report.integrate = integrate.figures();
-      report.integrate.differing =
-          requireShare(device_.info().name, "integrate", voxelsApart(*twin), kVoxelsApart);
+      report.integrate.differing = requireShare(device_.info().name, "integrate",
+                                                voxelsApart({scene_.volume().download(), twin->voxel_size},
+                                                            *twin, scene_.volume().options().max_weight),
+                                                kVoxelsApart);
     } else {
       report.integrate.device = median(alone);
     }
@@ -232,8 +188,7 @@ class Bench {
             sums = nativeRefine(native, scene_.truncation(), points, candidates, scene_.camera(), weights,
                                 threads_);
           });
-      apart = std::max(apart, shareApart(comparable(refine.sums(), sums, weights.huber),
-                                         comparable(sums, sums, weights.huber), kSumTolerance));
+      apart = std::max(apart, sumsApart(refine.sums(), sums, weights.huber));
     }
     report.refine = pairs.figures();
     report.refine.differing = requireShare(device_.info().name, "refine", apart, 0);
@@ -273,27 +228,6 @@ class Bench {
     return {toShader(pose), image * toShader(last.inverse() * pose)};
   }
 
-  double pixelsApart(std::span<const float> depth, const NativeFrame& frame) {
-    const std::vector<glm::vec4> points = scene_.fetch<glm::vec4>(scene_.frame().points, frame.points.size());
-    const DepthReach reach = scene_.frame().reach();
-    return std::max({shareApart(depth, frame.depth, kDepthTolerance),
-                     shareApart(numbersOf(points), numbersOf(frame.points), kDepthTolerance),
-                     shareApart(reach.farthest, frame.tiles, kDepthTolerance)});
-  }
-
-  double voxelsApart(const NativeVolume& twin) {
-    const NativeVolume now(scene_.volume().download(), twin.voxel_size);
-    const auto asFloats = [](const auto& numbers, float unit) {
-      std::vector<float> out;
-      for (const auto number : numbers) out.push_back(static_cast<float>(number) * unit);
-      return out;
-    };
-    const float unit = 1 / (shader::kWeightOne * scene_.volume().options().max_weight);
-    return std::max(
-        shareApart(asFloats(now.codes, kTsdfOfCode), asFloats(twin.codes, kTsdfOfCode), kTsdfTolerance),
-        shareApart(asFloats(now.units, unit), asFloats(twin.units, unit), kWeightTolerance));
-  }
-
   void measureRaycast(BenchReport& report) {
     RaycastPass raycast(device_, scene_.camera());
     const NativeVolume native(scene_.volume().download(), scene_.volume().options().voxel_size);
@@ -313,7 +247,8 @@ class Bench {
         pairs.measure(run >= 0, cast, [&] {
           nativeRaycast(native, scene_.truncation(), scene_.camera(), view, twin, threads_);
         });
-        apart = std::max(apart, raysApart(raycast, twin));
+        apart = std::max(apart, raysApart(raycast.surface().as<std::uint32_t>(), raycast.preview(), twin,
+                                          options_.settings.volume.voxel_size));
       } else if (const PassTime t = timed(cast); run >= 0) {
         alone.push_back(t);
       }
@@ -326,15 +261,6 @@ class Bench {
     }
   }
 
-  double raysApart(const RaycastPass& raycast, const NativeView& twin) const {
-    const auto words = raycast.surface().as<std::uint32_t>().first(2 * twin.depth.size());
-    std::vector<float> depth;
-    for (std::size_t i = 0; i < twin.depth.size(); ++i)
-      depth.push_back(std::bit_cast<float>(words[2 * i + 1]));
-    return std::max(shareApart(depth, twin.depth, kHitTolerance * options_.settings.volume.voxel_size),
-                    shareApart(bytesOf(raycast.preview()), bytesOf(twin.picture), kShadeTolerance));
-  }
-
   Device& device_;
   const BenchOptions& options_;
   const int threads_;
@@ -344,22 +270,6 @@ class Bench {
 };
 
 }  // namespace
-
-double requireAgreement(const std::string& device_name, std::span<const float> device,
-                        std::span<const float> native, std::size_t points) {
-  double worst = 0, sum = 0;
-  for (std::size_t i = 0; i < native.size(); ++i) {
-    const double difference = std::abs(double(device[i]) - native[i]);
-    worst = std::max(worst, std::isnan(difference) ? 2.0 : difference);
-    sum += difference;
-  }
-  const double mean = sum / static_cast<double>(native.size());
-  if (worst <= lossTolerance(points) && mean <= kMeanLossTolerance) return worst;
-  throw std::runtime_error(printed(
-      "%s computes other losses than the native loop: %.2e at most and %.2e in the mean differ, where "
-      "%.2e and %.2e are allowed; do not trust this device's results.",
-      device_name.c_str(), worst, mean, lossTolerance(points), kMeanLossTolerance));
-}
 
 BenchReport benchPasses(Device& device, const BenchOptions& options,
                         const std::function<void(const std::string&)>& progress) {

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -62,18 +61,6 @@ struct BenchReport {
   PassTime extract;
   std::uint64_t triangles = 0;  ///< that extract gave
 };
-
-/// Largest |device - native| that a particle's mean loss over `points` points may show: positions are rounded
-/// differently, so that a few lookups next to a voxel's face read the neighbour, by at most 1 each in the
-/// loss.
-inline double lossTolerance(std::size_t points) {
-  return 4.0 / static_cast<double>(points) + 1e-5;
-}
-/// The same for the mean over all particles: such lookups are rare.
-inline constexpr double kMeanLossTolerance = 1e-4;
-/// Largest difference. Throws std::runtime_error, naming the device, when a tolerance is passed.
-double requireAgreement(const std::string& device_name, std::span<const float> device,
-                        std::span<const float> native, std::size_t points);
 
 /// `progress` is told what is being measured. Throws std::runtime_error when a pass's results are not its
 /// native loop's, DeviceError and InputError as Pipeline does.

@@ -53,15 +53,8 @@ class Pipeline {
   const Intrinsics& intrinsics() const { return intrinsics_; }
 
  private:
-  /// processFrame() in this map, but for a model that begins anew.
+  /// A frame's way through one map, step by step; processFrame() but for a model that begins anew.
   FrameResult follow(Submap& at, const Frame& frame);
-  /// Replaces a model that hardly a frame has confirmed by one of the frames that do not fit it.
-  void weighStart(Submap& at, const Frame& frame, FrameResult& result);
-  FrameResult followAndWeigh(Submap& at, const Frame& frame);
-  /// followAndWeigh() in the first map, to which detached maps give way where the device is full.
-  FrameResult followInFirst(const Frame& frame);
-  /// Of a frame that is not looked for in the first map, where the camera is lost.
-  FrameResult unasked(const Frame& frame);
   /// The frame without rolling shutter, and the readout that it was freed of: 0 where the camera's motion is
   /// not known.
   struct AtOnce {
@@ -72,24 +65,33 @@ class Pipeline {
   void preprocess(const Submap& at, const Frame& frame, FrameResult& result);
   /// Looks for the frame's pose and at what speaks for it; costs go to `result`.
   FrameEvidence examine(Submap& at, const Frame& frame, FrameResult& result);
+  /// Fit of the frame at a pose, over the overlap with the last one.
+  void recordScore(const Submap& at, const Pose& world_from_camera);
+  PoseScore scoreAt(const Submap& at, const Pose& world_from_camera);
   void report(const Submap& at, const FrameEvidence& evidence, const Decision& decision, FrameResult& result);
   void integrate(Submap& at, FrameResult& result);
-  void addPose(Submap& at, const Frame& frame, const Trajectory& recovered, FrameResult& result);
   /// Of a frame whose pose is in the trajectory or comes next there.
   void fuse(Submap& at, const Pose& world_from_camera, std::size_t number);
+  /// Where the camera is never lost, keyframes serve nobody.
+  bool becomesKeyframe(Submap& at, const Pose& world_from_camera, std::size_t number);
+  void addPose(Submap& at, const Frame& frame, const Trajectory& recovered, FrameResult& result);
+  Thresholds thresholds() const { return thresholdsOf(settings_, method_->relocalises()); }
+
+  /// followAndWeigh() in the first map, to which detached maps give way where the device is full.
+  FrameResult followInFirst(const Frame& frame);
+  /// Of a frame that is not looked for in the first map, where the camera is lost.
+  FrameResult unasked(const Frame& frame);
+  FrameResult followAndWeigh(Submap& at, const Frame& frame);
+  /// Replaces a model that hardly a frame has confirmed by one of the frames that do not fit it.
+  void weighStart(Submap& at, const Frame& frame, FrameResult& result);
+  void clear(Submap& at);
+  DetachedMaps::Work detachedWork();
+
   /// Puts a frame on the device, and its metres beside it.
   void load(const Frame& frame);
   /// Tracking, after a frame of known pose was fused.
   void goOnFrom(const Pose& world_from_camera, double timestamp);
-  /// Fit of the frame at a pose, over the overlap with the last one.
-  void recordScore(const Submap& at, const Pose& world_from_camera);
-  PoseScore scoreAt(const Submap& at, const Pose& world_from_camera);
-  Thresholds thresholds() const { return thresholdsOf(settings_, method_->relocalises()); }
-  void clear(Submap& at);
-  /// Where the camera is never lost, keyframes serve nobody.
-  bool becomesKeyframe(Submap& at, const Pose& world_from_camera, std::size_t number);
   void requireFixedPoses() const;
-  DetachedMaps::Work detachedWork();
 
   Device& device_;
   Settings settings_;

@@ -12,10 +12,8 @@
 namespace rosefusion {
 namespace {
 
-constexpr std::chrono::milliseconds kWait(50);  // between questions whether to stop
-constexpr std::chrono::seconds kGone(10);       // without a frame, after which the camera counts as gone
-constexpr double kUnitsPerMetre = 1000;
-constexpr double kFramesPerSecond = 30;
+constexpr double kAzureUnitsPerMetre = 1000;
+constexpr double kAzureFramesPerSecond = 30;
 
 class AzureKinectSource : public FrameSource {
  public:
@@ -41,7 +39,7 @@ class AzureKinectSource : public FrameSource {
     info_.format = "Azure Kinect camera";
     info_.path = "k4a:" + device_.get_serialnum();
     info_.intrinsics_source = options.intrinsics ? "the given intrinsics" : "the camera";
-    info_.depth_units_per_metre = kUnitsPerMetre;
+    info_.depth_units_per_metre = kAzureUnitsPerMetre;
     info_.warnings.push_back("k4a: the lens's distortion is not corrected; the image's corners may be bent.");
   }
 
@@ -50,9 +48,9 @@ class AzureKinectSource : public FrameSource {
   SourceState next(SourceFrame& out, const StopQuestion& stop) override {
     k4a::capture capture;
     const auto start = std::chrono::steady_clock::now();
-    while (!device_.get_capture(&capture, kWait)) {
+    while (!device_.get_capture(&capture, kCameraWait)) {
       if (stop && stop()) return SourceState::Stopped;
-      if (std::chrono::steady_clock::now() - start > kGone)
+      if (std::chrono::steady_clock::now() - start > kCameraGone)
         throw InputError("k4a: no frame came for 10 s; check that the camera is still plugged in.");
     }
     k4a::image depth = capture.get_depth_image();
@@ -66,7 +64,7 @@ class AzureKinectSource : public FrameSource {
     out.frame.timestamp = std::chrono::duration<double>(depth.get_device_timestamp()).count();
     if (last_stamp_ > 0)
       out.dropped = static_cast<std::size_t>(
-          std::max(0.0, std::round((out.frame.timestamp - last_stamp_) * kFramesPerSecond) - 1));
+          std::max(0.0, std::round((out.frame.timestamp - last_stamp_) * kAzureFramesPerSecond) - 1));
     last_stamp_ = out.frame.timestamp;
     cv::Mat(depth.get_height_pixels(), depth.get_width_pixels(), CV_16UC1, depth.get_buffer(),
             static_cast<std::size_t>(depth.get_stride_bytes()))

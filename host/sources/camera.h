@@ -1,12 +1,18 @@
 // Depth cameras that are plugged into this machine. Each is compiled where its library is found.
 #pragma once
+#include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/sources/frame_source.h"
 
 namespace rosefusion {
+
+/// Between questions whether to stop; without a frame, after which a camera counts as gone.
+inline constexpr std::chrono::milliseconds kCameraWait{50};
+inline constexpr std::chrono::seconds kCameraGone{10};
 
 struct CameraOptions {
   std::string device;  ///< which one, as the library names it; empty: the first

@@ -13,9 +13,7 @@ namespace {
 using openni::OpenNI;
 using openni::Status;
 
-constexpr int kWaitMilliseconds = 50;      // between questions whether to stop
-constexpr int kGoneMilliseconds = 10'000;  // without a frame, after which the camera counts as gone
-constexpr double kUnitsPerMetre = 1000;
+constexpr double kOpenNi2UnitsPerMetre = 1000;
 
 std::string reason() {
   std::string text = OpenNI::getExtendedError();
@@ -56,10 +54,12 @@ class OpenNi2Source : public FrameSource {
   SourceState next(SourceFrame& out, const StopQuestion& stop) override {
     openni::VideoStream* streams[] = {&depth_};
     int ready = 0;
-    for (int waited = 0;; waited += kWaitMilliseconds) {
+    for (std::chrono::milliseconds waited{0};; waited += kCameraWait) {
       if (stop && stop()) return SourceState::Stopped;
-      if (OpenNI::waitForAnyStream(streams, 1, &ready, kWaitMilliseconds) == openni::STATUS_OK) break;
-      if (waited >= kGoneMilliseconds)
+      if (OpenNI::waitForAnyStream(streams, 1, &ready, static_cast<int>(kCameraWait.count())) ==
+          openni::STATUS_OK)
+        break;
+      if (waited >= kCameraGone)
         throw InputError("openni2: no frame came for 10 s; check that the camera is still plugged in.");
     }
     openni::VideoFrameRef frame;
@@ -128,7 +128,7 @@ class OpenNi2Source : public FrameSource {
     info_.intrinsics = k;
     info_.intrinsics_source = "the camera's field of view";
     info_.intrinsics_assumed = !options.intrinsics;
-    info_.depth_units_per_metre = kUnitsPerMetre;
+    info_.depth_units_per_metre = kOpenNi2UnitsPerMetre;
     spdlog::info("openni2: {}x{} at {} Hz", k.width, k.height, mode.getFps());
   }
 

@@ -9,9 +9,6 @@
 namespace rosefusion {
 namespace {
 
-constexpr unsigned kWaitMilliseconds = 50;  // between questions whether to stop
-constexpr int kGoneMilliseconds = 10'000;   // without a frame, after which the camera counts as gone
-
 class RealSenseSource : public FrameSource {
  public:
   explicit RealSenseSource(const CameraOptions& options) {
@@ -38,9 +35,10 @@ class RealSenseSource : public FrameSource {
 
   SourceState next(SourceFrame& out, const StopQuestion& stop) override {
     rs2::frameset frames;
-    for (int waited = 0; !pipeline_.try_wait_for_frames(&frames, kWaitMilliseconds);) {
+    for (std::chrono::milliseconds waited{0};
+         !pipeline_.try_wait_for_frames(&frames, static_cast<unsigned>(kCameraWait.count()));) {
       if (stop && stop()) return SourceState::Stopped;
-      if ((waited += kWaitMilliseconds) > kGoneMilliseconds)
+      if ((waited += kCameraWait) > kCameraGone)
         throw InputError("realsense: no frame came for 10 s; check that the camera is still plugged in.");
     }
     const rs2::depth_frame depth = frames.get_depth_frame();

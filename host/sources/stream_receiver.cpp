@@ -8,6 +8,7 @@
 
 #include "host/core/error.h"
 #include "host/sources/image_codec.h"
+#include "host/sources/key_check.h"
 #include "host/sources/strangers.h"
 #include "host/sources/wire.h"
 #include "host/sources/zmq_link.h"
@@ -25,7 +26,6 @@ constexpr auto kReceiveSlice = 50ms;  // between questions whether to stop
 constexpr auto kWait = 200ms, kWaitForStrangers = 10ms;
 constexpr int kMessagesAtATime = 64;  // so that connections, keys and the end are seen to in between
 constexpr auto kFarewell = 1000;      // milliseconds for the last answer to leave
-constexpr const char* kZap = "inproc://zeromq.zap.01";
 constexpr int kReceiverEvents = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED |
                                 ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
 
@@ -38,7 +38,7 @@ struct StreamReceiver::Impl {
   zmq::context_t context{1};
   // The thread's own.
   zmq::socket_t socket{context, zmq::socket_type::router};
-  zmq::socket_t zap{context, zmq::socket_type::rep};
+  KeyCheck key_check{context, keys};
   zmq::socket_t woken{context, zmq::socket_type::pair};
   std::unique_ptr<Monitor> monitor;
   ImageCodec codec;
@@ -71,12 +71,7 @@ struct StreamReceiver::Impl {
     try {
       setUp(socket);
       socket.set(zmq::sockopt::linger, kFarewell);
-      if (keys) {
-        socket.set(zmq::sockopt::curve_server, true);
-        socket.set(zmq::sockopt::curve_secretkey, keys.secret);
-        socket.set(zmq::sockopt::zap_domain, "rosefusion");
-        zap.bind(kZap);
-      }
+      key_check.listen(socket);
       monitor = std::make_unique<Monitor>(context, socket, kReceiverEvents);
       socket.bind(own_endpoint);
       endpoint = socket.get(zmq::sockopt::last_endpoint);
@@ -103,14 +98,14 @@ struct StreamReceiver::Impl {
     try {
       while (!stopRequested()) {
         link::wait({{socket.handle(), 0, ZMQ_POLLIN, 0},
-                    {zap.handle(), 0, ZMQ_POLLIN, 0},
+                    {key_check.socket().handle(), 0, ZMQ_POLLIN, 0},
                     {monitor->socket().handle(), 0, ZMQ_POLLIN, 0},
                     {woken.handle(), 0, ZMQ_POLLIN, 0}},
                    strangers->empty() ? kWait : kWaitForStrangers);
         zmq::message_t message;
         while (woken.recv(message, zmq::recv_flags::dontwait)) {
         }
-        authenticate();
+        key_check.answer([this](const std::string& sentence) { refuse(sentence); });
         monitor->take([this](int event, std::uint32_t connection) { onEvent(event, connection); });
         receive();
         if (strangers->breakOff() > 0)
@@ -151,31 +146,6 @@ struct StreamReceiver::Impl {
                Clock::now() - said_ended > kSaySilentAfter) {  // who repeats a sender may come and go
       said_ended = Clock::now();
       spdlog::info("{}: a connection ended", endpoint);
-    }
-  }
-
-  /// ZeroMQ asks here whether a key may connect [RFC 27].
-  void authenticate() {
-    if (!keys) return;
-    zmq::message_t part;
-    while (zap.recv(part, zmq::recv_flags::dontwait)) {
-      std::vector<zmq::message_t> request;
-      request.push_back(std::move(part));
-      while (request.back().more()) (void)zap.recv(request.emplace_back(), zmq::recv_flags::none);
-      constexpr std::size_t kRequestId = 1, kAddress = 3, kMechanism = 5, kKey = 6;
-      const bool whole = request.size() > kKey && request[kMechanism].to_string_view() == "CURVE";
-      const std::string key = whole ? z85(bytesOf(request[kKey])) : "";
-      const bool allowed = std::count(keys.peers.begin(), keys.peers.end(), key) > 0;
-      if (!allowed)
-        refuse("refused a connection from " + (whole ? request[kAddress].to_string() : "somewhere") +
-               ": its key is not among those allowed");
-      zap.send(zmq::str_buffer("1.0"), zmq::send_flags::sndmore);
-      request.resize(std::max(request.size(), kRequestId + 1));
-      zap.send(request[kRequestId], zmq::send_flags::sndmore);
-      zap.send(allowed ? zmq::str_buffer("200") : zmq::str_buffer("400"), zmq::send_flags::sndmore);
-      zap.send(zmq::message_t(), zmq::send_flags::sndmore);  // text, user, metadata: nothing
-      zap.send(zmq::message_t(), zmq::send_flags::sndmore);
-      zap.send(zmq::message_t(), zmq::send_flags::none);
     }
   }
 

@@ -105,7 +105,7 @@ TEST(CommandLine, UnknownArgumentsAreRefused) {
               HasSubstr("'nan' is not a number above 0"));
 }
 
-TEST(CommandLine, ARecordingAndAnEarlierResultSurviveMistakes) {
+TEST(CommandLine, MistakesHarmNoRecordingOrResult) {
   const TemporaryFolder folder;
   const std::string sequence = (folder / "s").string(), out = (folder / "o").string();
   ASSERT_EQ(program("synth " + sequence + " --frames 3 --width 64 --height 48").code, 0);
@@ -140,7 +140,7 @@ TEST(CommandLine, UnknownDeviceListsThoseThereAre) {
   EXPECT_THAT(outcome.text, HasSubstr("nosuchgpu"));
 }
 
-TEST(CommandLine, GeneratedSequencesHaveColourUnlessToldOtherwise) {
+TEST(CommandLine, SynthWritesColourUnlessToldOtherwise) {
   const TemporaryFolder folder;
   const std::string size = " --frames 2 --width 64 --height 48";
   ASSERT_EQ(program("synth " + (folder / "colour").string() + size).code, 0);
@@ -259,7 +259,7 @@ TEST(CommandLine, AnUnknownHostIsNamed) {
   EXPECT_THAT(outcome.text, HasSubstr("'no-such-host.invalid' cannot be resolved"));
 }
 
-TEST(CommandLine, ImagesTooSmallForTheSearchAreRefusedInWords) {
+TEST(CommandLine, ImagesTooSmallForTheSearchAreRefused) {
   const TemporaryFolder folder;
   const std::string sequence = (folder / "s").string();
   ASSERT_EQ(

@@ -57,7 +57,7 @@ TEST_F(Renderer, WhatIsNearerHidesTheRest) {
   EXPECT_EQ(magentaShare(wall(0.02f, 0)), 0) << "nearer than the near plane nothing is drawn";
 }
 
-TEST_F(Renderer, ATiltedWallCutsTheModelWhereTheirDepthsMeet) {
+TEST_F(Renderer, TiltedWallCutsTheModelAtEqualDepth) {
   // The depth image that was fused says where the model is; the wall goes through the middle of it.
   const cv::Mat& depth = shortSequence().frames[0].depth;
   std::vector<double> depths;

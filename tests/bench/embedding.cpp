@@ -15,7 +15,7 @@ using namespace rosefusion;
 using namespace rosefusion::testing;
 
 int main(int count, char** texts) {
-  const SynthSequence sequence = makeShortSequence(5, count > 1 ? std::atoi(texts[1]) : 60);
+  const SynthSequence sequence = makeShortSequence(kAnyRoom, count > 1 ? std::atoi(texts[1]) : 60);
   Caller caller(false);
   const CallerDevice h = caller.handles();
   Reconstructor embedded(publicCamera(sequence), {.get_instance_proc_addr = h.get_instance_proc_addr,

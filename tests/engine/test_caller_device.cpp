@@ -127,7 +127,7 @@ PFN_vkVoidFunction VKAPI_CALL watchingInstanceProc(VkInstance instance, const ch
   return reinterpret_cast<PFN_vkVoidFunction>(&watchingDeviceProc);
 }
 
-TEST_F(CallerDevices, EverythingIsMadeWithTheCallersAllocationCallbacksAndFreed) {
+TEST_F(CallerDevices, CallersAllocatorMakesAndFreesAll) {
   CallerDevice handles = caller.handles();
   handles.allocator = &caller.callbacks();
   Watched::get = handles.get_instance_proc_addr;
@@ -218,7 +218,7 @@ TEST_F(CallerDevices, WhereAHeapIsFullOrTooSmallAnotherServes) {
   EXPECT_THAT(Heaps::asked, ::testing::ElementsAre(0, 0, 1, 1));
 }
 
-TEST_F(CallerDevices, CachedMemoryThatIsNotCoherentIsInvalidatedBeforeItIsRead) {
+TEST_F(CallerDevices, IncoherentMemoryIsInvalidatedForReading) {
   CallerDevice handles = caller.handles();
   Heaps::get = handles.get_instance_proc_addr;
   handles.get_instance_proc_addr = Heaps::proc;

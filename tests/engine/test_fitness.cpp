@@ -95,7 +95,7 @@ class Fitness : public ValidatingDevice {
   Swarm swarm_;
 };
 
-TEST_F(Fitness, AgreesWithTheReferenceForBothLossesAndAnySlices) {
+TEST_F(Fitness, AgreesForEachLossAndSlice) {
   ASSERT_GT(reference_points_.size(), 600u);
   for (const Loss loss : {Loss::Squared, Loss::Absolute}) {
     swarm_.loss = loss;
@@ -109,7 +109,7 @@ TEST_F(Fitness, AgreesWithTheReferenceForBothLossesAndAnySlices) {
   }
 }
 
-TEST_F(Fitness, APartOfTheTemplatesIsReadFromItsFirstParticle) {
+TEST_F(Fitness, TemplatePartStartsAtItsFirstParticle) {
   swarm_.first = 70;
   swarm_.count = 65;
   EXPECT_TRUE(agrees(compare(expected(swarm_), losses(swarm_, 1)), kWideShare));
@@ -256,7 +256,7 @@ std::vector<Eigen::Vector3d> pointsInView(const std::vector<Eigen::Vector3d>& po
   return seen;
 }
 
-TEST_F(Fitness, EachParticleCountsItsOwnOverlapWithTheLastView) {
+TEST_F(Fitness, EachParticleCountsItsOwnOverlap) {
   Pose last = swarm_.centre;  // a turn to the side, so that the overlap differs from particle to particle
   last.rotate(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()));
   FitnessPass pass(device(), templates_, swarm_.loss, true, 3);
@@ -307,7 +307,7 @@ TEST_F(Fitness, ComparisonSeesAWrongCoefficient) {
   EXPECT_TRUE(differs(compare(expected(swarm_), measured)));
 }
 
-TEST_F(Fitness, UnobservedSpaceAndSpaceOutsideTheTableReadAsOne) {
+TEST_F(Fitness, UnobservedAndOutsideSpaceReadAsOne) {
   // Looking from far away, in every direction and through the table, at nothing that was ever seen.
   for (const Eigen::Vector3d& away :
        {Eigen::Vector3d(100, 0, 0), Eigen::Vector3d(-1e4, 0, 0), Eigen::Vector3d(0, 1e6, 0),

@@ -122,7 +122,7 @@ TEST_P(Integrate, DepthsWeighByTheirNoise) {
   EXPECT_GT(capped, 500u);
 }
 
-TEST_P(Integrate, OfViewsThatContradictEachOtherBehindASurfaceOneCounts) {
+TEST_P(Integrate, OneOfContradictoryBacksCounts) {
   VolumeOptions options = kVolume;
   options.thin_walls = true;
   fuse(kNoise, options);

@@ -108,7 +108,7 @@ TEST_F(Recording, ABufferTooLargeForTexelsIsRefused) {
   EXPECT_TRUE(small.validationMessages().empty());
 }
 
-TEST_F(Recording, MoreWorkgroupsThanTheDeviceRunsAreRefused) {
+TEST_F(Recording, MoreWorkgroupsThanTheLimitAreRefused) {
   DeviceOptions options = deviceUnderTest();
   options.limits_at_most.max_workgroup_count_x = 4;
   Device small(options);
@@ -154,7 +154,7 @@ TEST_F(Recording, CommandsSeeWhatTheOnesBeforeWrote) {
   EXPECT_EQ(sums_.as<float>()[0], 34.0f);
 }
 
-TEST_F(Recording, TooManyDispatchesAreRefusedUntilTheSubmit) {
+TEST_F(Recording, TooManyDispatchesNeedASubmit) {
   const auto one = [&] { recorder_->dispatch(kernel_, {input_, sums_}, SumCheckParams{0, 1}, Threads{1}); };
   for (int i = 0; i < 256; ++i) one();
   EXPECT_TRUE(throwsDeviceError(one, DeviceErrorCode::Programming, {"256 dispatches"}));

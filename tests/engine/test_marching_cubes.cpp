@@ -38,7 +38,7 @@ bool shareFace(int a, int b) {
   return false;
 }
 
-TEST(MarchingCubes, EdgesJoinNeighbouringCornersAndAreAllDifferent) {
+TEST(MarchingCubes, EdgesDifferAndJoinNeighbours) {
   std::set<std::pair<int, int>> seen;
   for (int edge = 0; edge < kCellEdges; ++edge) {
     const Corner a = cornerAt(edgeStart(edge)), b = cornerAt(edgeEnd(edge));
@@ -47,7 +47,7 @@ TEST(MarchingCubes, EdgesJoinNeighbouringCornersAndAreAllDifferent) {
   }
 }
 
-TEST(MarchingCubes, EveryCaseUsesItsCrossedEdgesAndEndsOnFacesOnly) {
+TEST(MarchingCubes, EveryCaseUsesItsCrossedEdges) {
   const auto cases = marchingCubesCases();
   for (int c = 0; c < 256; ++c) {
     std::set<int> crossed, used;

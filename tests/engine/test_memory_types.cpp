@@ -65,7 +65,7 @@ TEST(MemoryTypes, OnlyThoseThatTheBufferMayLieIn) {
   EXPECT_THAT(memoryTypesFor(Memory::Upload, kLarge, kCard, 0b0001), ElementsAre());
 }
 
-TEST(MemoryTypes, ParametersLieBesideTheProcessorsAndImagesDoNot) {
+TEST(MemoryTypes, ParametersLieBesideTheProcessors) {
   EXPECT_THAT(memoryTypesFor(Memory::Upload, 256, kCard, ~0u), ElementsAre(2, 1, 3));
   EXPECT_THAT(memoryTypesFor(Memory::Upload, kLarge, kCard, ~0u), ElementsAre(1, 2, 3));
 }

@@ -203,7 +203,7 @@ TEST_F(Raycast, ShowsNothingFromBehindASurface) {
       << "from inside the wall, looking out";
 }
 
-TEST_F(Raycast, RaysAlongAnAxisCrossEmptyBlocksInOneStepEach) {
+TEST_F(Raycast, AxisRaysCrossAnEmptyBlockInOneStep) {
   // A strip at 0.5 m, and below it one at 2.5 m, 1000 voxels farther on. The rays of the middle column do not
   // move along x, and those below the strip's edge start at its depth.
   SurfaceScene strips(device, {.voxel_size = 0.002f});

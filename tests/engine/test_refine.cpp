@@ -202,7 +202,7 @@ TEST_P(Refine, SurfacesSeenFromBehindAreLeftOutOnDemand) {
   EXPECT_TRUE(differs(compareWith(measured, model_)));
 }
 
-TEST_P(Refine, ComparisonSeesFromWhichAngleOnASurfaceIsSeenFromBehind) {
+TEST_P(Refine, ComparisonSeesTheAngleOfBacks) {
   turnAboutASteepWall(0.0052, 0.5f, 3);
   model_.front_only = true;
   const auto measured = sums(*run_, poses_);

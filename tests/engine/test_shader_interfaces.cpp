@@ -40,7 +40,7 @@ TEST(ShaderInterfaces, BindingsFitEveryDeviceThatIsAccepted) {
   EXPECT_EQ(deviceRequirements().limits.max_storage_buffers, most_of_one_pool);
 }
 
-TEST(ShaderInterfaces, WithOnePoolTheOtherBindingsFollowWithoutGaps) {
+TEST(ShaderInterfaces, OnePoolLeavesNoGapsInTheBindings) {
   const ShaderCode code = shaderCode("refine");
   const OnePoolModule one = withOnePool(code);
   // Of the pools on 2 to 5 and 10 to 13 the first buffers stay.

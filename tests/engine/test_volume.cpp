@@ -201,7 +201,7 @@ void expectUnharmed(Device& device, const VolumeOptions& options,
   EXPECT_TRUE(same(run.volume.download(), fresh.volume.download()));
 }
 
-TEST_F(Volumes, ReachingTheMemoryLimitLeavesThemAsTheyWere) {
+TEST_F(Volumes, MemoryLimitLeavesThemAsTheyWere) {
   // The first 512 blocks take 2.1 MiB; the few that still fit are not enough.
   VolumeOptions options = withPools(512);
   options.memory_limit_bytes = 9u << 18;
@@ -273,7 +273,7 @@ TEST_F(Volumes, ALimitBelowTheFirstPoolsIsRefusedAtOnce) {
   EXPECT_EQ(device().allocatedBytes(), start);
 }
 
-TEST_F(Volumes, OptionsOutsideTheirRangeAreProgrammingErrors) {
+TEST_F(Volumes, OptionsOutOfRangeAreProgrammingErrors) {
   const VolumeOptions wrong[] = {{.voxel_size = 0},      {.voxel_size = -0.01f},   {.voxel_size = NAN},
                                  {.truncation = 0},      {.truncation = INFINITY}, {.max_weight = 0.5f},
                                  {.max_weight = 255.5f}, {.max_weight = NAN},      {.max_pool_bytes = 2047}};

@@ -110,7 +110,7 @@ Model fused(const std::string& command, std::size_t at, std::uint64_t call, int 
   return modelOf(reconstructor);
 }
 
-TEST(LibraryFaults, AFrameThatFailedCanBeGivenAgainAndIsFusedOnce) {
+TEST(LibraryFaults, AFailedFrameGivenAgainIsFusedOnce) {
   int failures = 0;
   const Model expected = fused("none", 0, 0, 0, failures);
   ASSERT_GT(expected.triangles, 100u);
@@ -196,7 +196,7 @@ TEST(LibraryFaults, ALostDeviceIsRefusedInWords) {
   }
 }
 
-TEST(LibraryFaults, AReconstructorThatCannotBeMadeLeavesNothingBehind) {
+TEST(LibraryFaults, AFailedConstructorLeavesNothingBehind) {
   std::mt19937 random(4);
   for (const char* command :
        {"vkCreateDevice", "vkCreateCommandPool", "vkCreateDescriptorPool", "vkCreateFence",

@@ -17,10 +17,10 @@
 #include "tests/host/core/temporary_folder.h"
 #include "tests/host/slam/short_sequence.h"
 
-namespace rosefusion::viewer {
+namespace rosefusion::testing {
 namespace test_session {
+using namespace viewer;
 
-using namespace rosefusion::testing;
 using namespace std::chrono_literals;
 using ::testing::HasSubstr;
 
@@ -108,7 +108,7 @@ TEST_F(ViewerSession, ChangesSettingsAtOnceOrWithTheNextReset) {
   EXPECT_FALSE(idle().settings_wait);
 }
 
-TEST_F(ViewerSession, TellsWhatWasChosenWhereASettingIsAutomatic) {
+TEST_F(ViewerSession, TellsWhatAnAutomaticSettingBecame) {
   session_.open(sequence());
   EXPECT_THAT(idle().choices, ::testing::IsEmpty());
   session_.set("volume.voxel_size", "auto");
@@ -194,4 +194,4 @@ TEST_F(ViewerSession, ACameraThatIsCoveredIsLostAndComesBack) {
 }
 
 }  // namespace test_session
-}  // namespace rosefusion::viewer
+}  // namespace rosefusion::testing

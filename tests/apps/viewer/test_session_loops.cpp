@@ -10,10 +10,9 @@
 #include "tests/host/core/temporary_folder.h"
 #include "tests/host/slam/loop_closure/ring_walk.h"
 
-namespace rosefusion::viewer {
+namespace rosefusion::testing {
 namespace test_session_loops {
-
-using namespace rosefusion::testing;
+using namespace viewer;
 
 double errorOfEnd(const Eigen::Vector3d& position) {
   return (ringPose(0).inverse() * ringPose(ringWay(kRingFrames - 1)).translation() - position).norm();
@@ -66,4 +65,4 @@ TEST(SessionLoops, TheDrawnPathIsCorrected) {
 }
 
 }  // namespace test_session_loops
-}  // namespace rosefusion::viewer
+}  // namespace rosefusion::testing

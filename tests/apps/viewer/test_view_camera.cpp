@@ -3,8 +3,9 @@
 
 #include "apps/viewer/view_camera.h"
 
-namespace rosefusion::viewer {
+namespace rosefusion::testing {
 namespace test_view_camera {
+using namespace viewer;
 
 Pose at(double x, double y, double z, double turn = 0) {
   Pose pose = Pose::Identity();
@@ -97,4 +98,4 @@ TEST(ViewCamera, ZoomAndPanFollowTheMouse) {
 }
 
 }  // namespace test_view_camera
-}  // namespace rosefusion::viewer
+}  // namespace rosefusion::testing

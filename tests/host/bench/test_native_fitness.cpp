@@ -6,7 +6,7 @@
 
 #include "host/bench/native_fitness.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_native_fitness {
 
 constexpr float kVoxel = 0.05f;
@@ -77,7 +77,7 @@ struct Case {
   }
 };
 
-class NativeFitness : public testing::TestWithParam<int> {};
+class NativeFitness : public ::testing::TestWithParam<int> {};
 
 TEST_P(NativeFitness, GivesTheFormulasMeanLoss) {
   const int threads = GetParam();
@@ -96,7 +96,7 @@ TEST_P(NativeFitness, GivesTheFormulasMeanLoss) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, NativeFitness, testing::Values(1, 3));
+INSTANTIATE_TEST_SUITE_P(Threads, NativeFitness, ::testing::Values(1, 3));
 
 TEST(NativeFitnessEdges, NoPointsMeansNoLoss) {
   const Case c(5);
@@ -114,4 +114,4 @@ TEST(NativeFitnessEdges, PointsFarOutsideTheTableAreUnobserved) {
 }
 
 }  // namespace test_native_fitness
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

@@ -12,7 +12,7 @@
 #include "tests/reference/footprint.h"
 #include "tests/reference/preprocess.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_native_passes {
 
 constexpr float kVoxel = 0.05f, kTruncation = 0.15f;
@@ -222,4 +222,4 @@ TEST(NativePairs, RatiosAreThoseOfThePairs) {
 }
 
 }  // namespace test_native_passes
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

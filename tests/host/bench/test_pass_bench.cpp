@@ -5,9 +5,10 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "host/bench/pass_agreement.h"
 #include "host/bench/pass_bench.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_pass_bench {
 
 TEST(PassBench, ReportHasTheRequiredFigures) {
@@ -67,4 +68,4 @@ TEST(PassBench, LossesThatDisagreeAreAnError) {
 }
 
 }  // namespace test_pass_bench
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

@@ -61,7 +61,7 @@ class TrackingSuite : public ValidatingDevice {
   TemporaryFolder folder_;
 };
 
-TEST_F(TrackingSuite, GivesTheSameFiguresAgainAndReusesItsSequences) {
+TEST_F(TrackingSuite, SecondRunRepeatsFiguresAndSequences) {
   options_.work = folder_ / "work";
   std::vector<std::string> told;
   const TrackingReport first =
@@ -139,7 +139,7 @@ TEST_F(TrackingSuite, LostFramesAreFailures) {
   EXPECT_THAT(trackingSummary(report), HasSubstr("18 of 20 frames within 3 cm, 2 lost"));
 }
 
-TEST_F(TrackingSuite, DisturbedFlightsAreJudgedByHowTheyComeBack) {
+TEST_F(TrackingSuite, DisturbedFlightsAreJudgedByRecovery) {
   options_.synth.frames = 90;
   options_.synth.linear = options_.synth.linear.endingAt(0.8);  // the view stays
   options_.synth.angular = options_.synth.angular.endingAt(0.5);
@@ -165,7 +165,7 @@ TEST_F(TrackingSuite, DisturbedFlightsAreJudgedByHowTheyComeBack) {
   EXPECT_TRUE(report.sequences[1].good()) << report.sequences[1].recovery->frames;
 }
 
-TEST_F(TrackingSuite, ComingBackIsCountedFromWhereTheViewReturns) {
+TEST_F(TrackingSuite, RecoveryIsCountedFromTheViewsReturn) {
   const auto recovery = [&](double view_returns_at, std::size_t lost, double last_off_m = 0) {
     return *judged(lost, last_off_m, 10, view_returns_at * kFrame_s).recovery;
   };

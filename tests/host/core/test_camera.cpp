@@ -7,12 +7,11 @@
 
 #include "tests/host/core/temporary_folder.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_camera {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using testing::inputErrorOf;
 using ::testing::StartsWith;
 
 const Intrinsics kKinect{640, 480, 517.3, 516.5, 318.6, 255.3};
@@ -74,4 +73,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& tested) { return tested.param.name; });
 
 }  // namespace test_camera
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

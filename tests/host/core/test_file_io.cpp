@@ -7,16 +7,13 @@
 
 #include "tests/host/core/temporary_folder.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_file_io {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
-using testing::contents;
 using ::testing::HasSubstr;
-using testing::inputErrorOf;
 using ::testing::StartsWith;
-using testing::TemporaryFolder;
 
 TEST(WriteFileAtomically, WritesEveryByteAndLeavesNothingElse) {
   const TemporaryFolder folder;
@@ -67,7 +64,7 @@ TEST(WriteFileAtomically, DoesNotReplaceAFolder) {
   EXPECT_EQ(folder.entries(), 1u);
 }
 
-TEST(WriteFileAtomically, ALinksTargetIsReplacedAndADeviceIsWrittenTo) {
+TEST(WriteFileAtomically, ReplacesALinksTargetAndWritesToADevice) {
   const TemporaryFolder folder;
   const fs::path target = folder.write("target", "old");
   fs::create_symlink(target, folder / "link");
@@ -132,4 +129,4 @@ TEST(WriteFileAtomically, DiskThatFillsUpHalfwayLeavesNoFile) {
 }
 
 }  // namespace test_file_io
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

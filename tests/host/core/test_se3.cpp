@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_se3 {
 
 constexpr double kExact = 1e-12;
@@ -70,4 +70,4 @@ TEST(Moved, DifferenceIsTheStepBetween) {
 }
 
 }  // namespace test_se3
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

@@ -4,15 +4,12 @@
 
 #include "tests/host/core/temporary_folder.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_trajectory {
 
 using ::testing::AllOf;
-using testing::contents;
 using ::testing::HasSubstr;
-using testing::inputErrorOf;
 using ::testing::StartsWith;
-using testing::TemporaryFolder;
 
 Pose pose(double x, double y, double z, double angle, const Eigen::Vector3d& axis) {
   Pose p = Pose::Identity();
@@ -157,4 +154,4 @@ TEST_F(Interpolate, TakesTheShortWayRound) {
 }
 
 }  // namespace test_trajectory
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

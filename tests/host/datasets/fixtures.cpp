@@ -13,7 +13,7 @@
 #include "host/core/error.h"
 #include "host/datasets/sequence.h"
 
-namespace rosefusion::test {
+namespace rosefusion::testing {
 
 namespace fs = std::filesystem;
 
@@ -148,4 +148,4 @@ int openDamagedVariants(const fs::path& recording) {
   return opened;
 }
 
-}  // namespace rosefusion::test
+}  // namespace rosefusion::testing

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace rosefusion::test {
+namespace rosefusion::testing {
 
 inline constexpr int kWidth = 32, kHeight = 24;
 
@@ -53,4 +53,4 @@ std::string fileBytes(const std::filesystem::path& file);
 /// lie. Whatever happens must be a sentence that names the file. How many of them opened.
 int openDamagedVariants(const std::filesystem::path& recording);
 
-}  // namespace rosefusion::test
+}  // namespace rosefusion::testing

@@ -9,7 +9,7 @@
 #include "host/datasets/sequence.h"
 #include "tests/host/datasets/fixtures.h"
 
-namespace rosefusion::test {
+namespace rosefusion::testing {
 namespace test_azure_recordings {
 
 using ::testing::Contains;
@@ -178,4 +178,4 @@ TEST(AzureCalibration, BeyondItsRadiusTheLensSeesNothing) {
 }
 
 }  // namespace test_azure_recordings
-}  // namespace rosefusion::test
+}  // namespace rosefusion::testing

@@ -6,7 +6,7 @@
 #include "host/datasets/truth.h"
 #include "tests/host/datasets/fixtures.h"
 
-namespace rosefusion::test {
+namespace rosefusion::testing {
 namespace test_bad_input {
 
 using ::testing::Contains;
@@ -207,7 +207,7 @@ TEST(BadStamps, UnsortedFramesAreSortedWithAWarning) {
   EXPECT_EQ(frame.depth.at<std::uint16_t>(0, 0), 5000) << "images follow their stamps";
 }
 
-TEST(BadTruth, NanAndUnsortedPosesAreHandledWithWarnings) {
+TEST(BadTruth, NanAndUnsortedPosesGiveWarnings) {
   const TemporaryFolder folder;
   makeTum(folder);
   folder.write("groundtruth.txt",
@@ -241,4 +241,4 @@ TEST(BadTruth, MatricesMustBeRigid) {
 }
 
 }  // namespace test_bad_input
-}  // namespace rosefusion::test
+}  // namespace rosefusion::testing

@@ -8,7 +8,7 @@
 #include "apps/cli/exit_code.h"
 #include "tests/host/datasets/fixtures.h"
 
-namespace rosefusion::test {
+namespace rosefusion::testing {
 namespace test_check {
 
 using ::testing::HasSubstr;
@@ -50,7 +50,7 @@ TEST(Check, JsonOnStandardOutputStaysParsable) {
   EXPECT_THAT(run.errors, HasSubstr("TUM RGB-D"));
 }
 
-TEST(Check, AWrongDepthScaleIsRefusedAndStillReported) {
+TEST(Check, AWrongDepthScaleIsRefusedAndReported) {
   const TemporaryFolder folder;
   makeTum(folder, 64, 48);
   const TemporaryFolder scratch("scratch");
@@ -80,4 +80,4 @@ TEST(Check, RefusesImagesThatARunRefuses) {
 }
 
 }  // namespace test_check
-}  // namespace rosefusion::test
+}  // namespace rosefusion::testing

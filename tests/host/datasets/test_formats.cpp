@@ -8,7 +8,7 @@
 #include "host/datasets/sequence.h"
 #include "tests/host/datasets/fixtures.h"
 
-namespace rosefusion::test {
+namespace rosefusion::testing {
 namespace test_formats {
 
 using ::testing::ElementsAre;
@@ -129,7 +129,7 @@ TEST(Replica, DamagedParametersAreOneSentence) {
   EXPECT_THAT(openingError(folder.path()), AllOf(HasSubstr("cam_params.json"), HasSubstr("expected")));
 }
 
-TEST(FastCaMo, FolderIsInMillimetresWithTheColourImageFirst) {
+TEST(FastCaMo, FolderIsInMillimetresColourFirst) {
   const TemporaryFolder folder("apartment_1");
   std::string list;
   for (int i = 0; i < 2; ++i) {
@@ -217,4 +217,4 @@ TEST(PackedSeq, AFileThatShrinksWhileOpenIsABadFrame) {
 }
 
 }  // namespace test_formats
-}  // namespace rosefusion::test
+}  // namespace rosefusion::testing

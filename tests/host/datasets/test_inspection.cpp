@@ -8,7 +8,7 @@
 
 #include "tests/host/datasets/fixtures.h"
 
-namespace rosefusion::test {
+namespace rosefusion::testing {
 namespace test_inspection {
 
 using ::testing::Contains;
@@ -117,7 +117,7 @@ TEST(Inspection, LimitedImagesAreSpreadOverTheSequence) {
       << "looking at one image only is no defect of the sequence";
 }
 
-TEST(Findings, SuspiciousDepthScaleIsFatalAndSuggestsAnother) {
+TEST(Findings, SuspiciousDepthScaleSuggestsAnother) {
   MadeSequence sequence(10, ramp);
   sequence.info().depth_units_per_metre = 50000;
   const Inspection small = inspectSequence(sequence);
@@ -215,7 +215,7 @@ TEST(Findings, TruthThatDoesNotMatchOrMovesTooFast) {
   EXPECT_THAT(inspectSequence(fast).findings, says(false, "6.0 m/s"));
 }
 
-TEST(Findings, AssumedIntrinsicsAndReaderWarningsArePassedOn) {
+TEST(Findings, AssumptionsAndWarningsArePassedOn) {
   MadeSequence sequence(20, ramp);
   sequence.info().intrinsics_assumed = true;
   sequence.info().warnings = {"depth.txt: 3 lines skipped."};
@@ -249,7 +249,7 @@ TEST(Findings, DepthsOutsideWhatARunUsesAreNamed) {
   EXPECT_THAT(inspectSequence(near, 0, {}, {1.0, 8}).findings, says(false, "nearer than depth.min (1 m)"));
 }
 
-TEST(Findings, AnAssumedScaleThatMakesTheRoomTooSmallIsDoubted) {
+TEST(Findings, AnAssumedScaleOfATinyRoomIsDoubted) {
   MadeSequence sequence(5, ramp);
   sequence.info().depth_units_per_metre = 5000;
   EXPECT_THAT(inspectSequence(sequence).findings, IsEmpty()) << "given";
@@ -292,4 +292,4 @@ TEST(Findings, StampsWithoutDecimalsOrInAnotherUnit) {
 }
 
 }  // namespace test_inspection
-}  // namespace rosefusion::test
+}  // namespace rosefusion::testing

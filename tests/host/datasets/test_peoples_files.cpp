@@ -5,7 +5,7 @@
 #include "host/datasets/inspection.h"
 #include "tests/host/datasets/fixtures.h"
 
-namespace rosefusion::test {
+namespace rosefusion::testing {
 namespace test_peoples_files {
 
 using ::testing::AllOf;
@@ -32,7 +32,7 @@ int redOf(Sequence& sequence, std::size_t index) {
   return frame.colour.empty() ? -1 : frame.colour.at<cv::Vec3b>(0, 0)[2];
 }
 
-TEST(PeoplesFiles, FrameNumbersAsStampsAreKnownInEveryLayout) {
+TEST(PeoplesFiles, FrameNumbersAreKnownAsStamps) {
   const TemporaryFolder folder;
   makeImages(folder, "depth", "rgb", 12);
   std::string list, pairs, large, whole;
@@ -211,4 +211,4 @@ TEST(PeoplesFiles, DecimalCommasInAYamlAreNamed) {
 }
 
 }  // namespace test_peoples_files
-}  // namespace rosefusion::test
+}  // namespace rosefusion::testing

@@ -4,7 +4,7 @@
 #include "host/datasets/sequence.h"
 #include "tests/host/datasets/fixtures.h"
 
-namespace rosefusion::test {
+namespace rosefusion::testing {
 namespace test_png_folder {
 
 using ::testing::HasSubstr;
@@ -93,4 +93,4 @@ TEST(PngFolder, EachMistakeInTheYamlNamesFileAndKey) {
 }
 
 }  // namespace test_png_folder
-}  // namespace rosefusion::test
+}  // namespace rosefusion::testing

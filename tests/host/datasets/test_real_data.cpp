@@ -5,7 +5,7 @@
 
 #include "host/datasets/inspection.h"
 
-namespace rosefusion::test {
+namespace rosefusion::testing {
 namespace test_real_data {
 
 namespace fs = std::filesystem;
@@ -54,4 +54,4 @@ TEST(RealData, SevenScenes) {
 }
 
 }  // namespace test_real_data
-}  // namespace rosefusion::test
+}  // namespace rosefusion::testing

@@ -9,7 +9,7 @@
 #include "host/datasets/sequence.h"
 #include "tests/host/datasets/fixtures.h"
 
-namespace rosefusion::test {
+namespace rosefusion::testing {
 namespace test_recorder_folders {
 
 using ::testing::Contains;
@@ -147,7 +147,7 @@ void makeStray(const TemporaryFolder& folder) {
                "5012.3125, 000001, 0.4, 0.5, 0.6, 0.0, 0.0, 0.70710678, 0.70710678\n");
 }
 
-TEST(StrayFolder, ScalesItsCameraAndLeavesOutWhatTheSensorDoubts) {
+TEST(StrayFolder, ScalesItsCameraAndDropsDoubtfulDepth) {
   const TemporaryFolder folder;
   makeStray(folder);
   const auto sequence = openSequence(folder.path());
@@ -273,4 +273,4 @@ TEST(FloatingDepth, DamagedNumPyEndsInASentence) {
 }
 
 }  // namespace test_recorder_folders
-}  // namespace rosefusion::test
+}  // namespace rosefusion::testing

@@ -10,7 +10,7 @@
 #include "host/datasets/sequence.h"
 #include "tests/host/datasets/fixtures.h"
 
-namespace rosefusion::test {
+namespace rosefusion::testing {
 namespace test_recording_files {
 
 using ::testing::Contains;
@@ -161,4 +161,4 @@ TEST(Lzfse, OverlappingCopiesRepeat) {
 }
 
 }  // namespace test_recording_files
-}  // namespace rosefusion::test
+}  // namespace rosefusion::testing

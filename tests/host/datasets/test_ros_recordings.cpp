@@ -10,7 +10,7 @@
 #include "host/datasets/sequence.h"
 #include "tests/host/datasets/fixtures.h"
 
-namespace rosefusion::test {
+namespace rosefusion::testing {
 namespace test_ros_recordings {
 
 using ::testing::HasSubstr;
@@ -162,4 +162,4 @@ TEST(RosRecordings, ARecordingOfTheRealSenseSdk) {
 }
 
 }  // namespace test_ros_recordings
-}  // namespace rosefusion::test
+}  // namespace rosefusion::testing

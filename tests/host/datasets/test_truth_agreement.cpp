@@ -9,7 +9,7 @@
 
 #include "host/datasets/inspection.h"
 
-namespace rosefusion::test {
+namespace rosefusion::testing {
 namespace test_truth_agreement {
 
 using ::testing::HasSubstr;
@@ -118,4 +118,4 @@ TEST(TruthAgreement, SaysNothingWithoutTruthOrMotion) {
 }
 
 }  // namespace test_truth_agreement
-}  // namespace rosefusion::test
+}  // namespace rosefusion::testing

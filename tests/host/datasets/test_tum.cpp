@@ -8,7 +8,7 @@
 #include "host/datasets/sequence.h"
 #include "tests/host/datasets/fixtures.h"
 
-namespace rosefusion::test {
+namespace rosefusion::testing {
 namespace test_tum {
 
 using ::testing::HasSubstr;
@@ -63,7 +63,7 @@ TEST(Tum, ColourTooFarAwayInTimeIsNoColour) {
   EXPECT_EQ(readGood(*sequence, 1).colour.at<cv::Vec3b>(0, 0)[2], 104);
 }
 
-TEST(Tum, AssociationsOverrideNearestStampsInEitherColumnOrder) {
+TEST(Tum, AssociationsOverrideNearestStamps) {
   // Deliberately crossed: the middle depth frame with the last colour image.
   const std::string depth = "1305031229.562084 depth/1305031229.562084.png";
   const std::string colour = "1305031229.605384 rgb/1305031229.605384.png";
@@ -105,7 +105,7 @@ TEST(Tum, TellsTheColumnsByTheImagesWhenNamesDoNot) {
   EXPECT_EQ(result.frames[0].depth, folder.path() / "b/0.png");
 }
 
-TEST(Tum, IntrinsicsFollowTheNameAndAreMarkedAssumed) {
+TEST(Tum, IntrinsicsFollowTheNameAsAssumed) {
   const struct {
     const char* folder;
     Intrinsics expected;  // for 640x480 images
@@ -189,7 +189,7 @@ TEST(Tum, ARenamedFolderIsKnownByItsListsComment) {
   EXPECT_EQ(openSequence(folder.path())->info().intrinsics.fx, 535.4);
 }
 
-TEST(Tum, AssumedIntrinsicsAreScaledToTheImagesWithAWarning) {
+TEST(Tum, AssumedIntrinsicsAreScaledToTheImages) {
   const TemporaryFolder folder;
   makeTum(folder);
   for (const char* stamp : {"1305031229.528784", "1305031229.562084", "1305031229.595384"})
@@ -284,7 +284,7 @@ TEST(IclNuim, KeepsNegativeFyAndFrameNumbersAsStamps) {
   }
 }
 
-TEST(Association, NearestIsChosenFromUnsortedStampsWithinTheLimit) {
+TEST(Association, NearestStampWithinTheLimitIsChosen) {
   const auto nearest = datasets::associateNearest({1.0, 2.0, 3.0}, {2.015, 0.99, 1.995, 3.5}, 0.02);
   EXPECT_EQ(nearest[0], std::optional<std::size_t>(1));
   EXPECT_EQ(nearest[1], std::optional<std::size_t>(2));
@@ -293,4 +293,4 @@ TEST(Association, NearestIsChosenFromUnsortedStampsWithinTheLimit) {
 }
 
 }  // namespace test_tum
-}  // namespace rosefusion::test
+}  // namespace rosefusion::testing

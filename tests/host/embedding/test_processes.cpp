@@ -108,7 +108,7 @@ TEST(Fork, AProgramMayBeStartedMeanwhile) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NE(reconstructor.poll()->status, Status::Lost) << i;
 }
 
-TEST(Fork, InTheChildItIsRefusedInWordsAndEndsWithoutWaiting) {
+TEST(Fork, IsRefusedInTheChildWithoutWaiting) {
   Caller caller;
   VulkanHandles handles = handlesOf(caller);
   handles.lock_queue = [&] { caller.queue_mutex.lock(); };

@@ -61,7 +61,7 @@ class Embedded : public ::testing::Test {
   Caller caller;
 };
 
-TEST_F(Embedded, TheCallersDeviceGivesTheSamePosesBitByBit) {
+TEST_F(Embedded, CallersDeviceGivesTheSamePoses) {
   Reconstructor reconstructor(publicCamera(), publicHandles(caller), quickOptions());
   for (std::size_t i = 0; i < kFrames; ++i) {
     const Result result = reconstructor.process(publicFrame(i));
@@ -128,7 +128,7 @@ TEST_F(Embedded, AKnownPoseIsWhereTrackingGoesOn) {
   EXPECT_EQ(reconstructor.trajectory().front().world_from_camera, moved);
 }
 
-TEST_F(Embedded, AMotionFromAnotherSensorReachesTheTracker) {
+TEST_F(Embedded, OdometryReachesTheTracker) {
   const Options options{
       .settings = {{"swarm.levels", "1024/16 512/8 256/4"}, {"tracking.templates_per_level", "3"}}};
   const SynthSequence& sequence = shortSequence();

@@ -162,7 +162,7 @@ TEST(Threads, SeveralAreMadeUsedAndEndedAtATime) {
     });
 }
 
-TEST(Threads, EndingWaitsForTheFrameUnderWayAndDropsTheOthers) {
+TEST(Threads, EndingWaitsForTheFrameUnderWay) {
   Caller caller;
   Options options = coarseOptions();
   options.queue_length = 64;
@@ -193,7 +193,7 @@ TEST(Threads, AMovedOneKeepsItsFrames) {
   EXPECT_THAT(caller.messages(), ::testing::IsEmpty());
 }
 
-TEST(Threads, WhatTheCallersLogThrowsComesOutOfTheConstructor) {
+TEST(Threads, AThrowingLogEndsTheConstructor) {
   struct Stop {};
   Options options = ownDevice();
   options.settings.push_back({"tracker.method", "pst"});  // an old name, which the log is told of
@@ -214,7 +214,7 @@ TEST(Threads, WhatTheCallersLogThrowsComesOutOfTheConstructor) {
     });
 }
 
-TEST(Threads, WhatTheCallersQueueLockThrowsComesOutOfTheCallAndTheFrameCanBeGivenAgain) {
+TEST(Threads, AThrowingQueueLockLosesNoFrame) {
   struct Stop : std::runtime_error {
     using std::runtime_error::runtime_error;
   };

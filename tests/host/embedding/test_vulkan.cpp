@@ -111,7 +111,7 @@ Matrix knownPose(std::size_t frame) {
   return matrix;
 }
 
-TEST_F(EmbeddedVulkan, FusionInTheCallersCommandsIsThatOfIntegrate) {
+TEST_F(EmbeddedVulkan, FusionInCallersCommandsIsIntegrates) {
   Reconstructor ours(publicCamera(), handles(), quickOptions()),
       callers(publicCamera(), handles(), quickOptions());
   Fusion fusion(callers);

@@ -4,11 +4,10 @@
 
 #include "tests/host/evaluation/trajectories.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_alignment {
 
 using ::testing::HasSubstr;
-using namespace testing;
 
 std::vector<PosePair> pairsOf(const Trajectory& estimate, const Trajectory& truth) {
   std::vector<PosePair> pairs;
@@ -41,7 +40,7 @@ TEST(AlignPoses, DoesNotScale) {
   EXPECT_TRUE(isProperRotation(alignPoses(pairsOf(estimate, truth)).truth_from_estimate.linear()));
 }
 
-TEST(AlignPoses, MirroredTrajectoryStillGivesAProperRotation) {
+TEST(AlignPoses, MirroredTrajectoryGivesAProperRotation) {
   const Trajectory truth = curve(50);
   Trajectory estimate = truth;
   for (StampedPose& p : estimate) p.world_from_camera.translation().z() *= -1;
@@ -57,7 +56,7 @@ TEST(AlignPoses, PlanarMotionNeedsNoOrientations) {
   EXPECT_TRUE(a.truth_from_estimate.isApprox(somewhere(), 1e-9));
 }
 
-TEST(AlignPoses, StraightMotionTakesTheRollFromTheOrientations) {
+TEST(AlignPoses, StraightMotionTakesRollFromOrientations) {
   const Trajectory estimate = turning([](int i) { return Eigen::Vector3d(0.3 * i, -0.1 * i, 0.2 * i); });
   const Alignment a = alignPoses(pairsOf(estimate, moved(somewhere(), estimate)));
   EXPECT_FALSE(a.positions_suffice);
@@ -65,7 +64,7 @@ TEST(AlignPoses, StraightMotionTakesTheRollFromTheOrientations) {
   EXPECT_THAT(a.description, HasSubstr("straight line"));
 }
 
-TEST(AlignPoses, StraightMotionKeepsItsDirectionWhereOrientationsDisagree) {
+TEST(AlignPoses, StraightMotionOutweighsOrientations) {
   const Trajectory estimate = turning([](int i) { return Eigen::Vector3d(0.3 * i, 0, 0); });
   Trajectory truth = moved(somewhere(), estimate);
   for (StampedPose& p : truth)  // say, a camera mounted tilted
@@ -86,7 +85,7 @@ TEST(AlignPoses, TurnOnTheSpotIsAlignedByOrientations) {
   EXPECT_THAT(a.description, HasSubstr("do not move"));
 }
 
-TEST(AlignPoses, OneAndTwoPosesAreEnoughForAProperRotation) {
+TEST(AlignPoses, OneOrTwoPosesGiveAProperRotation) {
   for (const std::size_t n : {1u, 2u}) {
     const Trajectory estimate = curve(n);
     const Alignment a = alignPoses(pairsOf(estimate, moved(somewhere(), estimate)));
@@ -101,7 +100,7 @@ TEST(AlignPoses, NoPairsGiveTheIdentity) {
   EXPECT_THAT(a.description, HasSubstr("not aligned"));
 }
 
-TEST(AlignPoses, LeverLetsOrientationsOutweighTinyNoisyMotion) {
+TEST(AlignPoses, LeverOutweighsTinyNoisyMotion) {
   // A turn on the spot in which the estimated positions are nothing but millimetres of noise.
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0, 0.002);
@@ -116,4 +115,4 @@ TEST(AlignPoses, LeverLetsOrientationsOutweighTinyNoisyMotion) {
 }
 
 }  // namespace test_alignment
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

@@ -4,10 +4,8 @@
 
 #include "tests/host/evaluation/trajectories.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_association {
-
-using namespace testing;
 
 Trajectory at(const std::vector<double>& stamps) {
   Trajectory trajectory;
@@ -60,11 +58,11 @@ TEST(AssociateInterpolated, ReadsTheTruthAtTheEstimatesStamps) {
   EXPECT_NEAR(stamps[1], 1.017, 1e-12);
 }
 
-TEST(AssociateInterpolated, NeitherBridgesGapsNorReachesBeyondTheEnds) {
+TEST(AssociateInterpolated, StopsAtGapsAndEnds) {
   EXPECT_EQ(paired(at({0.995, 1.0, 1.5, 2.0, 2.005}), at({1.0, 2.0}), Association::Interpolated, 0.02),
             (Stamps{1.0, 2.0}));
   EXPECT_TRUE(paired(at({1.0}), {}, Association::Interpolated, 0.02).empty());
 }
 
 }  // namespace test_association
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

@@ -8,21 +8,17 @@
 #include "tests/host/core/temporary_folder.h"
 #include "tests/host/evaluation/trajectories.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_eval_command {
 
 using ::testing::AllOf;
-using testing::contents;
-using testing::curve;
 using ::testing::HasSubstr;
-using testing::inputErrorOf;
 using ::testing::StartsWith;
-using testing::TemporaryFolder;
 
 class EvalCommand : public ::testing::Test {
  protected:
   void SetUp() override {
-    writeTumTrajectory(estimate_, testing::moved(testing::somewhere(), curve(60)));
+    writeTumTrajectory(estimate_, moved(somewhere(), curve(60)));
     writeTumTrajectory(truth_, curve(60));
   }
 
@@ -60,7 +56,7 @@ TEST_F(EvalCommand, FindsTheFilesInFolders) {
               AllOf(StartsWith((folder_ / "run").string()), HasSubstr("groundtruth.txt")));
 }
 
-TEST_F(EvalCommand, FindsTheTruthOfASequenceAndTheUnitOfItsStamps) {
+TEST_F(EvalCommand, FindsASequencesTruthAndStampUnit) {
   // ICL-NUIM: the truth is no groundtruth.txt and its stamps are frame numbers, 30 a second.
   const std::filesystem::path icl = folder_ / "icl";
   std::filesystem::create_directories(icl / "depth");
@@ -94,7 +90,7 @@ TEST_F(EvalCommand, JsonReplacesTheTableOnStandardOutput) {
   EXPECT_EQ(nlohmann::json::parse(contents(folder_ / "out.json")), printed);
 }
 
-TEST_F(EvalCommand, TakesTheNumberOfFramesFromTheOptionOrTheRunsReport) {
+TEST_F(EvalCommand, TakesTheFrameCountFromOptionOrReport) {
   const auto frames = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {estimate_, truth_, "--json", "-"});
     return nlohmann::json::parse(eval(more))["frames"].get<int>();
@@ -189,4 +185,4 @@ TEST_F(EvalCommand, ATruthTooSparseToInterpolateIsNamed) {
 }
 
 }  // namespace test_eval_command
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

@@ -9,12 +9,11 @@
 #include "tests/host/core/temporary_folder.h"
 #include "tests/host/evaluation/trajectories.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_mesh_error {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using testing::inputErrorOf;
 using ::testing::StartsWith;
 
 /// The rectangle 0..width x 0..height at the given z, two triangles.
@@ -67,8 +66,8 @@ TEST(MeshError, SurfaceThatIsNotThereLowersPrecision) {
   EXPECT_LT(e.inlier_accuracy_m.max, 1e-6) << "the ghost is no inlier";
 }
 
-TEST(MeshError, TransformBringsTheReconstructionIntoTheTruthsFrame) {
-  const Pose truth_from_reconstruction = testing::somewhere();
+TEST(MeshError, TransformLeadsIntoTheTruthsFrame) {
+  const Pose truth_from_reconstruction = somewhere();
   TriangleMesh reconstruction = rectangle(2, 3, 0.04f);
   for (Eigen::Vector3f& v : reconstruction.vertices)
     v = (truth_from_reconstruction.inverse() * v.cast<double>()).cast<float>();
@@ -143,4 +142,4 @@ TEST(MeshError, OwnOriginsCancelBeforeFloatsSeeThem) {
 }
 
 }  // namespace test_mesh_error
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

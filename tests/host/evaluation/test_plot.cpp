@@ -9,16 +9,12 @@
 #include "tests/host/core/temporary_folder.h"
 #include "tests/host/evaluation/trajectories.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_plot {
 
 using ::testing::AllOf;
-using testing::contents;
-using testing::curve;
 using ::testing::HasSubstr;
-using testing::inputErrorOf;
 using ::testing::StartsWith;
-using testing::TemporaryFolder;
 
 constexpr const char* kPngSignature = "\x89PNG\r\n\x1a\n";
 
@@ -50,7 +46,7 @@ TEST_F(RenderPlot, DrawsATableInTheAskedSize) {
   EXPECT_EQ(folder_.entries(), 1u);
 }
 
-TEST_F(RenderPlot, RefusedCommandsAreReportedInGnuplotsWords) {
+TEST_F(RenderPlot, RefusalsAreReportedInGnuplotsWords) {
   try {
     renderPlot({"plot 'absent.dat'", {}}, folder_ / "p.png");
     FAIL() << "nothing was thrown";
@@ -108,4 +104,4 @@ TEST(PlotQuoted, EscapesWhatGnuplotWouldRead) {
 }
 
 }  // namespace test_plot
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

@@ -9,7 +9,7 @@
 
 #include "host/evaluation/surface_sampling.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_surface_distance {
 
 using Eigen::Vector3d;
@@ -126,4 +126,4 @@ TEST(SampleSurface, OfAPointCloudAreItsPoints) {
 }
 
 }  // namespace test_surface_distance
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

@@ -9,11 +9,10 @@
 #include "host/evaluation/report_json.h"
 #include "tests/host/evaluation/trajectories.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_trajectory_error {
 
 using ::testing::HasSubstr;
-using namespace testing;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -73,7 +72,7 @@ TEST(TrajectoryError, AteOfGaussianNoise) {
   EXPECT_NEAR(measureTrajectory(estimate, truth).ate_m.rmse, 0.01 * std::sqrt(3.0), 0.00025);
 }
 
-TEST(TrajectoryError, TeIsMeasuredFromTheFirstPoseNotAfterAlignment) {
+TEST(TrajectoryError, TeIsMeasuredFromTheFirstPose) {
   // The first frame is right, all others are 3 cm off: alignment would spread that out, TE must not.
   const Trajectory truth = curve(30);
   Trajectory estimate = truth;
@@ -142,7 +141,7 @@ TEST(TrajectoryError, GapsTellTheLostFramesUnderDenseTruth) {
   EXPECT_THAT(e.frames_basis, HasSubstr("0.05 s"));
 }
 
-TEST(TrajectoryError, PosesMarkedLostAreLeftOutAndCountAsFailures) {
+TEST(TrajectoryError, LostPosesCountAsFailures) {
   const Trajectory truth = denseTruth();
   Trajectory estimate;
   for (std::size_t i = 0; i < truth.size(); i += 5) estimate.push_back(truth[i]);
@@ -303,4 +302,4 @@ TEST(TrajectoryReport, WritesNullForWhatCouldNotBeMeasured) {
 }
 
 }  // namespace test_trajectory_error
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

@@ -51,7 +51,7 @@ TEST_F(Experiments, ElevenOfThePapersAreThere) {
   EXPECT_THAT(inputErrorOf([] { experimentsNamed("outside"); }), HasSubstr("tsdf-normalisation"));
 }
 
-TEST_F(Experiments, TwoRunsGiveEqualTablesAndAFinishedOneIsRecalled) {
+TEST_F(Experiments, SecondRunRecallsEqualTables) {
   const Experiment& experiment = *experimentsNamed("optimisers")[0];
   std::vector<ExperimentResult> results;
   for (const char* out : {"a", "b"})

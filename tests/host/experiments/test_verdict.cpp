@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-TEST(Verdict, LeastAndMostCompareWithEachAndAllowTheSlack) {
+TEST(Verdict, LeastAndMostAllowTheSlack) {
   EXPECT_EQ(leastOf("", "", {"a", 1}, {{"b", 2}, {"c", 1}}).agreement, Agreement::Agrees);
   EXPECT_EQ(leastOf("", "", {"a", 1}, {{"b", 2}, {"c", 0.99}}).agreement, Agreement::Differs);
   EXPECT_EQ(leastOf("", "", {"a", 1}, {{"b", 0.99}}, 0.02).agreement, Agreement::Agrees);
@@ -74,7 +74,7 @@ TEST(Table, WritesCsvAndPlotData) {
   EXPECT_THROW(table.add({1}), std::invalid_argument);
 }
 
-TEST(RunRecord, ALostFrameFailsAtEveryToleranceAndCountsOneMetre) {
+TEST(RunRecord, ALostFrameFailsAndCountsOneMetre) {
   RunRecord record;
   record.ate_m = {0.01, 0.03, 2.0, kInfinity};
   EXPECT_DOUBLE_EQ(record.cappedError(), (0.01 + 0.03 + 1 + 1) / 4);

@@ -15,7 +15,7 @@
 #include "host/export/pose_formats.h"
 #include "host/export/upright.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_export {
 
 using ::testing::HasSubstr;
@@ -195,4 +195,4 @@ TEST(Page, ALargeModelStaysUnderTheLimit) {
 }
 
 }  // namespace test_export
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

@@ -11,7 +11,7 @@
 #include "host/core/error.h"
 #include "host/export/mesh_io.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_mesh_io {
 
 namespace fs = std::filesystem;
@@ -78,7 +78,7 @@ TEST_F(MeshIo, FileIsBinaryLittleEndianPly) {
   for (const auto& entry : fs::directory_iterator(folder_)) EXPECT_EQ(entry.path().filename(), "mesh.ply");
 }
 
-TEST_F(MeshIo, QuadsAreTriangulatedAndIdenticalVerticesWelded) {
+TEST_F(MeshIo, QuadsAreSplitAndVerticesWelded) {
   std::ofstream(folder_ / "quad.obj") << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
   const TriangleMesh mesh = readMesh(folder_ / "quad.obj");
   EXPECT_EQ(mesh.vertices.size(), 4u);
@@ -98,7 +98,7 @@ TEST_F(MeshIo, BinaryDataMayStartWithAnyByte) {
   }
 }
 
-TEST_F(MeshIo, TextPlyWithOtherPropertiesAndPolygonsIsRead) {
+TEST_F(MeshIo, TextPlyWithPolygonsIsRead) {
   std::ofstream(folder_ / "mesh.ply")
       << "ply\r\nformat ascii 1.0\r\ncomment hello\r\nelement vertex 4\r\n"
          "property double x\r\nproperty float quality\r\nproperty double y\r\n"
@@ -252,4 +252,4 @@ TEST_F(MeshIo, CoordinatesThatFloatsRoundedAreRefused) {
 }
 
 }  // namespace test_mesh_io
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

@@ -160,7 +160,7 @@ class Shown : public FrameSource {
   std::size_t next_ = 0;
 };
 
-TEST_F(Runs, FramesThatNothingConnectsAreAMapOfTheirOwn) {
+TEST_F(Runs, UnconnectedFramesAreAMapOfTheirOwn) {
   const SynthSequence here = makeShortSequence(kRoomWithoutWindows, 12),
                       there = makeShortSequence(kUnlikeRoom, 14);
   Shown source(here.intrinsics);
@@ -202,7 +202,7 @@ TEST_F(Runs, OldResultsAreRemovedFirst) {
   EXPECT_EQ(out.resultOf(), "");
 }
 
-TEST_F(Runs, TheReportGoesFirstForItSaysThatTheOthersAreThere) {
+TEST_F(Runs, TheReportIsRemovedFirst) {
   const fs::path stuck = folder_ / "out" / "trajectory.txt";
   fs::create_directories(stuck);
   std::ofstream(stuck / "in the way") << "x";
@@ -214,7 +214,7 @@ TEST_F(Runs, TheReportGoesFirstForItSaysThatTheOthersAreThere) {
   EXPECT_FALSE(fs::exists(folder_ / "out" / "mesh.ply.part"));
 }
 
-TEST_F(Runs, AModelWithoutSurfaceStillGivesTheOtherFiles) {
+TEST_F(Runs, NoSurfaceStillGivesTheOtherFiles) {
   const auto sequence = openSequence(sequenceFolder());
   const OutputFolder folder(folder_ / "out");
   Settings settings = quickSettings();

@@ -67,7 +67,7 @@ class ColourTracking : public ValidatingDevice {
 
 const Material kPlaster{{190, 180, 165}, Pattern::Noise, 0.15f};  // what `synth --mesh` paints walls with
 
-TEST_F(ColourTracking, PastABareWallTheCameraIsHeldByWhatIsPaintedOnIt) {
+TEST_F(ColourTracking, PaintHoldsTheCameraPastABareWall) {
   const Outcome with = fly(kPlaster, 1), without = fly(kPlaster, 0);
   EXPECT_GT(without.motion_m, 0.5);
   EXPECT_GT(without.worst_m, 0.1) << "the wall must be one that depth slides along";
@@ -82,7 +82,7 @@ TEST_F(ColourTracking, AnExposureThatChangesDoesNotPull) {
   EXPECT_GE(found.tracked, kFrames - 3);
 }
 
-TEST_F(ColourTracking, AWallWithoutAPatternLeavesThePoseOpenAndSaysSo) {
+TEST_F(ColourTracking, AWallWithoutAPatternIsUncertain) {
   EXPECT_EQ(fly({{190, 180, 165}, Pattern::Plain, 0.15f}, 1).tracked, 0);
 }
 

@@ -35,7 +35,7 @@ class SecondMap : public ValidatingDevice {
 };
 
 // Dark for 85 frames while it flies to the other end of the room, and back where it began 90 frames later.
-TEST_F(SecondMap, WhatWasSeenWhileLostIsJoinedWhereThePlaceIsKnown) {
+TEST_F(SecondMap, JoinsTheFirstMapAtAKnownPlace) {
   const SynthSequence sequence = makeShortSequence(kRoomFlownThereAndBack, 225);
   Pipeline pipeline = make(sequence);
   constexpr std::size_t kDark = 20, kLight = 105;

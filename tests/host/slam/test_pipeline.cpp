@@ -36,7 +36,7 @@ TEST_F(FrameByFrame, IsFoundAgainAfterAFrameWithoutDepth) {
   EXPECT_NE(pipeline.volume().download().weight, before.weight);
 }
 
-TEST_F(FrameByFrame, APlaceThatTheNextFrameDoesNotConfirmIsForgotten) {
+TEST_F(FrameByFrame, AnUnconfirmedPlaceIsForgotten) {
   const SynthSequence sequence = makeShortSequence(kRoomSeenAgain, 24),
                       other = makeShortSequence(kForeignRoom, 2);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
@@ -122,7 +122,7 @@ TEST_F(FrameByFrame, AWallIsNotTakenForTheWindowsPaneBesideIt) {
   EXPECT_LT(errorAt(kFound + 1, result.world_from_camera, sequence), 0.02);
 }
 
-TEST_F(FrameByFrame, WithAHandBeforeTheCameraNothingIsFusedUntilItIsGone) {
+TEST_F(FrameByFrame, AHandBeforeTheCameraIsNotFused) {
   const SynthSequence sequence = makeShortSequence(kRoomFlownFast, 24);
   Pipeline pipeline(device(), loadSettings("default"), sequence.intrinsics, sequence.depth_units_per_metre);
   VolumeContents before;
@@ -152,7 +152,7 @@ TEST_F(FrameByFrame, WithAHandBeforeTheCameraNothingIsFusedUntilItIsGone) {
 }
 
 // Half a metre from one frame to the next, which no motion model can guess.
-TEST_F(FrameByFrame, AJumpIsFollowedWhereAnotherSensorTellsOfItAndElseNotFused) {
+TEST_F(FrameByFrame, AJumpIsFusedOnlyWithOdometry) {
   const SynthSequence sequence = makeShortSequence(kRoomFlownFast, 23);
   const auto& truth = sequence.truth;
   constexpr std::size_t kBefore = 9, kAfter = 19;
@@ -238,7 +238,7 @@ TEST_F(FrameByFrame, ALostCameraIsFoundAgainFromElsewhere) {
 
 // As before a hand that fits a wall elsewhere. No camera turns so far between two frames, but a sensor says
 // so.
-TEST_F(FrameByFrame, AViewThatIsSuddenlyUnknownMustBeConfirmed) {
+TEST_F(FrameByFrame, ASuddenlyUnknownViewMustBeConfirmed) {
   SynthOptions options;
   options.seed = kRoomToTurnIn;
   options.frames = 2;
@@ -335,7 +335,7 @@ TEST_F(FrameByFrame, WrongImageSizeAndTypeAreRefused) {
   EXPECT_THROW(pipeline.processFrame(frame), InputError);
 }
 
-TEST_F(FrameByFrame, FullMemoryNamesTheSettingAndKeepsTheModel) {
+TEST_F(FrameByFrame, FullMemoryKeepsTheModel) {
   Settings small = quickSettings();
   small.volume.memory_limit_mb = 17;  // the first pools and table fit, the house does not
   small.volume.voxel_size = 0.01;

@@ -104,7 +104,7 @@ TEST(Decide, AFollowedFrameByItsScore) {
   }
 }
 
-TEST(Decide, ADirectionThatIsHardlyHeldMakesAPoseUncertain) {
+TEST(Decide, AWeakDirectionMakesAPoseUncertain) {
   const struct {
     double observability, colour_cost, deviation;
     Reason reason;
@@ -125,7 +125,7 @@ TEST(Decide, ADirectionThatIsHardlyHeldMakesAPoseUncertain) {
   }
 }
 
-TEST(Decide, WhatComesBeforeTheCameraIsNotIntegratedUntilItIsGone) {
+TEST(Decide, AnOccluderIsNotIntegratedUntilItIsGone) {
   FrameEvidence hand = seen(kNow, 0.3, 0.7);
   hand.violation = 0.06;
   const Decision covered = decide(tracking(), hand, limits());
@@ -148,7 +148,7 @@ TEST(Decide, WhatComesBeforeTheCameraIsNotIntegratedUntilItIsGone) {
   EXPECT_TRUE(is<Lost>(hidden));
 }
 
-TEST(Decide, AMethodThatDoesNotRelocaliseGoesOnFromTheLastPose) {
+TEST(Decide, WithoutRelocalisationGoesOnFromTheLast) {
   const Decision decision = decide(tracking(), dark(kNow), limits(false));
   EXPECT_EQ(decision.status, TrackingStatus::Lost);
   ASSERT_TRUE(is<Tracking>(decision));
@@ -199,7 +199,7 @@ class Verification : public ::testing::Test {
   double now_ = kNow, x_ = 1, step_ = 0.1;
 };
 
-TEST_F(Verification, ALostCameraIsReportedAtTheSecondFrameAndIntegratedAtTheThird) {
+TEST_F(Verification, AfterALossReportsAt2AndIntegratesAt3) {
   const Decision first = next(0.8), second = next(0.8), third = next(0.8);
   EXPECT_EQ(first.status, TrackingStatus::Lost);
   EXPECT_EQ(first.reason, Reason::Tentative);
@@ -217,14 +217,14 @@ TEST_F(Verification, ALostCameraIsReportedAtTheSecondFrameAndIntegratedAtTheThir
   EXPECT_FALSE(historyOf(third.next).tentative);
 }
 
-TEST_F(Verification, AJumpIsReportedAtOnceAndIntegratedAtTheThird) {
+TEST_F(Verification, AfterAJumpReportsAt1AndIntegratesAt3) {
   begin(tracking());
   EXPECT_EQ(reasonOf(0.8, true, true), Reason::Jump);
   EXPECT_EQ(reasonOf(0.8), Reason::ConsistentOnce);
   EXPECT_TRUE(next(0.8).integrate);
 }
 
-TEST_F(Verification, ASecondJumpWhileOneIsVerifiedBeginsAnewAsAfterALoss) {
+TEST_F(Verification, ASecondJumpBeginsAnewAsAfterALoss) {
   begin(tracking());
   EXPECT_EQ(reasonOf(0.8, true, true), Reason::Jump);
   EXPECT_EQ(reasonOf(0.8, true, true), Reason::Tentative);
@@ -232,7 +232,7 @@ TEST_F(Verification, ASecondJumpWhileOneIsVerifiedBeginsAnewAsAfterALoss) {
   EXPECT_EQ(reasonOf(0.8), Reason::None);
 }
 
-TEST_F(Verification, WhileLittleIsKnownNothingIsIntegratedAndItIsReportedLate) {
+TEST_F(Verification, WithLittleOverlapReportsLateAndKeepsOut) {
   step_ = 0.02;
   for (int i = 1; i < 15; ++i)
     EXPECT_EQ(reasonOf(0.4), i < 10 ? Reason::Tentative : Reason::ConsistentUnknown);
@@ -244,7 +244,7 @@ TEST_F(Verification, WhileLittleIsKnownNothingIsIntegratedAndItIsReportedLate) {
 }
 
 // What moves with the camera does not go on fitting; neither does a place that looks alike.
-TEST_F(Verification, WhileLittleIsKnownACameraThatMovedOnIsIntegrated) {
+TEST_F(Verification, WithLittleOverlapMovingOnIntegrates) {
   for (int i = 1; i < 10; ++i) EXPECT_EQ(reasonOf(0.4), Reason::Tentative);
   EXPECT_EQ(reasonOf(0.4), Reason::ConsistentUnknown);
   EXPECT_EQ(reasonOf(0.4, false), Reason::ConsistentUnknown) << "it contradicts a little";
@@ -253,7 +253,7 @@ TEST_F(Verification, WhileLittleIsKnownACameraThatMovedOnIsIntegrated) {
   EXPECT_TRUE(confident.integrate);
 }
 
-TEST_F(Verification, ItsTentativePosesAreKnownOnceItIsReported) {
+TEST_F(Verification, TentativePosesComeWithTheReport) {
   EXPECT_TRUE(next(0.4).recovered.empty());
   EXPECT_TRUE(next(0.4, true, true).recovered.empty()) << "another place";
   for (int i = 2; i < 10; ++i) EXPECT_TRUE(next(0.4).recovered.empty());
@@ -272,7 +272,7 @@ TEST_F(Verification, OnceOneFrameKnewEnoughTheNextMayKnowLess) {
   EXPECT_EQ(reasonOf(0.3), Reason::None);
 }
 
-TEST_F(Verification, WithLittleConfidenceItIsReportedAtTheThird) {
+TEST_F(Verification, WithLittleConfidenceReportsAt3) {
   EXPECT_EQ(reasonOf(0.8, false), Reason::Tentative);
   EXPECT_EQ(reasonOf(0.4, true), Reason::Tentative);
   EXPECT_EQ(reasonOf(0.8, false), Reason::ConsistentOnce) << "the second had high confidence";
@@ -285,7 +285,7 @@ TEST_F(Verification, WithoutAConfidentFrameThreeAreEnough) {
   EXPECT_EQ(reasonOf(0.8, false), Reason::None);
 }
 
-TEST_F(Verification, AFrameThatFitsNowhereRestoresWhatWasBefore) {
+TEST_F(Verification, AFrameWithoutFitRestoresTheState) {
   next(0.8);
   next(0.8);
   FrameEvidence e = seen(now_ + kStep, 5);
@@ -318,7 +318,7 @@ TEST_F(Verification, WhatWasBeforeTheCameraIsRemembered) {
   EXPECT_FALSE(third.integrate);
 }
 
-TEST(TrackingState, OdometryAndCorrectionsReachTentativeAndAcceptedPoses) {
+TEST(TrackingState, OdometryAndCorrectionsReachAllPoses) {
   FrameEvidence e = seen(kNow, 1.0, 0.9, 0.9);
   e.verified = VerifiedPose{fitAt(1.0), true};
   TrackingState state = decide(tracking(), e, limits()).next;

@@ -149,7 +149,7 @@ TEST_F(HostileStream, AMessageThatNeverEndsIsBrokenOff) {
 }
 #endif
 
-TEST_F(HostileStream, AFloodWithHeartbeatsThatBreaksOffWhileTheReceiverIsBusyIsSurvived) {
+TEST_F(HostileStream, SurvivesAFloodThatBreaksOff) {
   wire::Header large = header(wire::Type::Probe);
   large.width = large.height = wire::kMaxSide;
   large.fx = large.fy = large.cx = large.cy = wire::kMaxSide / 2;
@@ -183,7 +183,7 @@ TEST_F(HostileStream, AFloodWithHeartbeatsThatBreaksOffWhileTheReceiverIsBusyIsS
   expectRefusal("none of rosefusion's");
 }
 
-TEST_F(HostileStream, OfConnectionsThatSayNothingOnlySomeAreKept) {
+TEST_F(HostileStream, OnlySomeSilentConnectionsAreKept) {
   std::vector<int> silent(200);
   for (int& s : silent) ASSERT_GE(s = connectTo(portOf(receiver_.endpoint())), 0);
   expectRefusal("there were too many");
@@ -225,7 +225,7 @@ TEST_F(HostileStream, AFloodHoldsUpNeitherTheStreamNorTheEnd) {
   for (std::thread& thread : flood) thread.join();
 }
 
-TEST_F(HostileStream, DamagedAndForeignFramesDoNotEnterTheStream) {
+TEST_F(HostileStream, DamagedAndForeignFramesStayOut) {
   const auto frames = numberedFrames(5, 30);
   StreamSender sender(receiver_.endpoint(), infoOf(frames), {});
   ASSERT_TRUE(sender.send(frames[0], after(20s)));

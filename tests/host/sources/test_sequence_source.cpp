@@ -39,7 +39,7 @@ TEST(SequenceSource, RecordedPaceWaitsForTheCamera) {
   EXPECT_EQ(given + dropped, 5u);
 }
 
-TEST(SequenceSource, RecordedPaceDropsWhatCameWhileTheTrackerWasBusy) {
+TEST(SequenceSource, RecordedPaceDropsFramesOfABusyTracker) {
   MemorySequence sequence(numberedFrames(40, 100), kSmallCamera);
   SequenceSource source(sequence, {}, Pace::Recorded);
   SourceFrame frame;

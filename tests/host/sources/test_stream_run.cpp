@@ -20,7 +20,7 @@ class StreamRun : public ValidatingDevice {
   }
 };
 
-TEST_F(StreamRun, BrokenConnectionsDoNotChangeTheTrajectory) {
+TEST_F(StreamRun, BrokenConnectionsKeepTheTrajectory) {
   const SynthSequence& synth = shortSequence();
   MemorySequence sequence(synth.frames, synth.intrinsics, synth.depth_units_per_metre);
   SequenceSource from_disk(sequence, {});

@@ -91,7 +91,7 @@ TEST(SceneSurvey, ASensorThatTheDepthContradictsIsTold) {
 }
 
 // A time-of-flight camera's millimetre would call most of a stereo camera's pixels edges.
-TEST(SceneSurvey, DepthFarNoisierThanTheSensorNamedIsTakenAsMeasured) {
+TEST(SceneSurvey, MeasuredNoiseOutweighsTheNamedSensor) {
   Settings asked = automatic();
   applyAssignment(asked, "depth.sensor=kinect2");
   const auto noisy = survey(floorFrom(1, stereo)), smooth = survey(floorFrom(1, nothing));
@@ -103,7 +103,7 @@ TEST(SceneSurvey, DepthFarNoisierThanTheSensorNamedIsTakenAsMeasured) {
   EXPECT_EQ(resolved(asked, smooth).depth.sensor, DepthSensor::Kinect2) << "less noise does no harm";
 }
 
-TEST(SceneSurvey, WhatTheRecordingSaysIsBelievedAboutAsMuch) {
+TEST(SceneSurvey, TheRecordingsSensorIsTakenToo) {
   auto smooth = survey(floorFrom(1, kinect)), noisy = survey(floorFrom(1, stereo));
   smooth->sensor = noisy->sensor = "azure";
   EXPECT_EQ(resolved(automatic(), smooth).depth.sensor, DepthSensor::Azure) << "the noise is a kinect1's";
@@ -151,7 +151,7 @@ TEST(SceneSurvey, AThingCutOutIsAsSmallAsItIs) {
 }
 
 // A Kinect's floor of 5 mm is what a surface's depths are off together, and blurs none of it.
-TEST(SceneSurvey, ASmallThingGetsTheFinestVoxelsOfAKinectToo) {
+TEST(SceneSurvey, ASmallThingGetsTheFinestVoxels) {
   cv::Mat depth = floorFrom(0.4, kinect);
   depth.colRange(0, 270).setTo(0);
   depth.colRange(370, 640).setTo(0);
@@ -176,7 +176,7 @@ TEST(SceneSurvey, ImagesThatShowLittleAreTakenFromLittleOn) {
   EXPECT_EQ(whole.tracking.min_valid_share, automatic().tracking.min_valid_share);
 }
 
-TEST(SceneSurvey, APhonesImagesHaveItsNoiseAndNoVoxelFinerThanAPixel) {
+TEST(SceneSurvey, APhonesImagesSetNoiseAndVoxels) {
   const Intrinsics phone{256, 192, 212, 212, 127.5, 95.5};
   cv::Mat depth(phone.height, phone.width, CV_16UC1, cv::Scalar(0.6 * kUnits));
   const Settings taken = resolved(automatic(), survey(depth, phone));

@@ -6,8 +6,8 @@
 
 #include "host/swarm/swarm_update.h"
 
-namespace rosefusion {
-namespace swarm_convergence_test {
+namespace rosefusion::testing {
+namespace test_swarm_convergence {
 
 // Mean psi^2 of a scene as a bounded quadratic: a point moves by the pose's shift plus its rotation at 1.5 m
 // distance, and everything is truncated once that reaches 0.3 m (three times a truncation of 0.1 m).
@@ -43,7 +43,7 @@ Pose fastMotion(unsigned seed) {
   return pose;
 }
 
-class SwarmConvergence : public testing::Test {
+class SwarmConvergence : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     TemplateOptions options;
@@ -106,5 +106,5 @@ TEST_F(SwarmConvergence, GivesTheSameBitsTwice) {
   EXPECT_EQ(once.iteration, again.iteration);
 }
 
-}  // namespace swarm_convergence_test
-}  // namespace rosefusion
+}  // namespace test_swarm_convergence
+}  // namespace rosefusion::testing

@@ -12,8 +12,8 @@
 
 #include "host/swarm/swarm_update.h"
 
-namespace rosefusion {
-namespace swarm_reference_test {
+namespace rosefusion::testing {
+namespace test_swarm_reference {
 
 SwarmTemplate fiveParticles() {
   return {{{0, 0, 0, 0, 0, 0},
@@ -157,7 +157,7 @@ struct Perturbation {
   friend void PrintTo(const Perturbation& perturbation, std::ostream* out) { *out << perturbation.name; }
 };
 
-class EverySetting : public testing::TestWithParam<Perturbation> {};
+class EverySetting : public ::testing::TestWithParam<Perturbation> {};
 
 TEST_P(EverySetting, ChangesTheResultWhenPerturbed) {
   SwarmSettings settings = paperOnFiveParticles();
@@ -167,7 +167,7 @@ TEST_P(EverySetting, ChangesTheResultWhenPerturbed) {
 
 INSTANTIATE_TEST_SUITE_P(
     SwarmReference, EverySetting,
-    testing::Values(
+    ::testing::Values(
         Perturbation{"loss", [](SwarmSettings& s) { s.loss = FitnessLoss::Absolute; }},
         Perturbation{"tau", [](SwarmSettings& s) { s.tau *= 1.001; }},
         Perturbation{"minimum_counted_share", [](SwarmSettings& s) { s.minimum_counted_share = 0.6; }},
@@ -187,5 +187,5 @@ INSTANTIATE_TEST_SUITE_P(
         Perturbation{"minimum_move", [](SwarmSettings& s) { s.minimum_move = 0.2; }}),
     [](const auto& instance) { return instance.param.name; });
 
-}  // namespace swarm_reference_test
-}  // namespace rosefusion
+}  // namespace test_swarm_reference
+}  // namespace rosefusion::testing

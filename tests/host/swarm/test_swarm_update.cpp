@@ -10,10 +10,10 @@
 
 #include "host/core/error.h"
 
-namespace rosefusion {
-namespace swarm_update_test {
+namespace rosefusion::testing {
+namespace test_swarm_update {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr double kExact = 1e-12;  // rounding of a few operations on numbers of order one
 constexpr double kSingle = 1e-6;  // losses and particles come in as floats
@@ -41,7 +41,7 @@ Pose somePose() {
   return pose;
 }
 
-TEST(MoveBy, AddsTheTranslationInWorldAxesAndTurnsFromTheLeft) {
+TEST(MoveBy, AddsInWorldAxesAndTurnsFromTheLeft) {
   Vector6 move;
   move << 0.1, 0.2, 0.3, 0, 0, std::sin(M_PI / 4);  // a quarter turn about the world's z
   const Pose moved = moveBy(somePose(), move);
@@ -51,7 +51,7 @@ TEST(MoveBy, AddsTheTranslationInWorldAxesAndTurnsFromTheLeft) {
       (moved.linear() * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d(-x.y(), x.x(), x.z()), kExact));
 }
 
-TEST(MoveBy, ClampsImaginaryPartsLongerThanOneToAHalfTurn) {
+TEST(MoveBy, ClampsLongImaginaryPartsToAHalfTurn) {
   Vector6 move = Vector6::Zero();
   move[4] = 1.7;
   const Pose moved = moveBy(Pose::Identity(), move);
@@ -123,7 +123,7 @@ TEST(SwarmUpdate, MeanMoveIsTheMeanOfThePoses) {
   EXPECT_NEAR(expected.angularDistance(Eigen::Quaterniond(state.centre.linear())), 0, kSingle);
 }
 
-TEST(SwarmUpdate, AnEmptyAdvantageSetMakesASphereOfTheBestLikelihood) {
+TEST(SwarmUpdate, AnEmptyAdvantageSetMakesASphere) {
   const SwarmSettings settings = roundNumbers();
   SwarmState state = beginFrame(settings, somePose(), nullptr);
   state.axis_lengths << 0.1, 0.2, 0.3, 0.4, 0.5, 0.6;
@@ -137,7 +137,7 @@ TEST(SwarmUpdate, AnEmptyAdvantageSetMakesASphereOfTheBestLikelihood) {
   EXPECT_EQ(state.empty_sets_in_a_row, 1);
 }
 
-TEST(SwarmUpdate, StartsAsASphereAndReturnsToItWhereNothingCanBeMeasured) {
+TEST(SwarmUpdate, IsASphereWhereNothingIsMeasured) {
   const SwarmSettings settings;
   SwarmState state = atIdentity(settings);
   EXPECT_TRUE(state.axis_lengths.isApprox(Vector6::Constant(0.5), kExact));
@@ -162,7 +162,7 @@ TEST(SwarmUpdate, UncountedParticlesNeverWin) {
   EXPECT_TRUE(state.centre.translation().isApprox(Eigen::Vector3d(0, 0, 0.5), kSingle));
 }
 
-TEST(SwarmUpdate, AParticleNeedsMoreThanHalfOfTheBestsPixels) {
+TEST(SwarmUpdate, AParticleNeedsOverHalfTheBestsPixels) {
   const SwarmSettings settings = roundNumbers();
   SwarmState state = atIdentity(settings);
   const auto swarm = templateOf({{1, 0, 0, 0, 0, 0}, {0, 1, 0, 0, 0, 0}});
@@ -172,7 +172,7 @@ TEST(SwarmUpdate, AParticleNeedsMoreThanHalfOfTheBestsPixels) {
   EXPECT_NEAR(state.centre.translation().x(), 0, kExact);
 }
 
-TEST(SwarmUpdate, StopsAveragingAtTheFirstParticlesWhenLimited) {
+TEST(SwarmUpdate, AveragesTheFirstParticlesWhenLimited) {
   SwarmSettings settings = roundNumbers();
   settings.max_advantage_particles = 2;
   SwarmState state = atIdentity(settings);
@@ -182,7 +182,7 @@ TEST(SwarmUpdate, StopsAveragingAtTheFirstParticlesWhenLimited) {
   EXPECT_TRUE(state.centre.translation().isApprox(Eigen::Vector3d(0.25, 0.25, 0), kSingle));
 }
 
-TEST(SwarmUpdate, UsesLevelsInTurnAndRestartsAfterAnEmptySet) {
+TEST(SwarmUpdate, UsesLevelsInTurnAndRestarts) {
   const auto swarm = templateOf({{0.5f, 0, 0, 0, 0, 0}});
   const std::vector<float> better = {0.5f, 0.4f}, worse = {0.5f, 0.6f};
   for (const bool restart : {true, false}) {
@@ -219,7 +219,7 @@ TEST(SwarmUpdate, StopsByThePapersCriteria) {
   EXPECT_EQ(run({better}), std::pair(StopReason::None, 1));
 }
 
-TEST(SwarmUpdate, AMoveBelowAMillionthInEveryDimensionEndsTheSearch) {
+TEST(SwarmUpdate, AMoveBelowAMillionthEndsTheSearch) {
   const SwarmSettings settings = roundNumbers();
   for (const auto& [length, reason] :
        {std::pair{0.9e-6f, StopReason::SmallMove}, {1.1e-6f, StopReason::None}}) {
@@ -231,7 +231,7 @@ TEST(SwarmUpdate, AMoveBelowAMillionthInEveryDimensionEndsTheSearch) {
   }
 }
 
-TEST(BeginFrame, TakesTheLengthsAfterTheLastFramesFirstIteration) {
+TEST(BeginFrame, TakesLengthsOfTheLastFirstIteration) {
   const SwarmSettings settings = roundNumbers();
   const auto swarm = templateOf({{0.5f, 0, 0, 0, 0, 0}});
   SwarmState last = atIdentity(settings);
@@ -246,7 +246,7 @@ TEST(BeginFrame, TakesTheLengthsAfterTheLastFramesFirstIteration) {
   EXPECT_EQ(next.serial, 2u);  // goes on, so that every template gets its turn
 }
 
-TEST(BeginFrame, TheReleaseStartsFromTheLossOfTheLastFailure) {
+TEST(BeginFrame, TheReleaseStartsFromTheLastLoss) {
   const SwarmSettings settings = releaseSwarmSettings();
   const auto swarm = templateOf({{0.5f, 0, 0, 0, 0, 0}});
   SwarmState last = atIdentity(settings);
@@ -307,5 +307,5 @@ TEST(SwarmSettings, NamesTheFieldThatIsOutOfRange) {
   EXPECT_THAT(complaint([](SwarmSettings& s) { s.max_iterations = 0; }), HasSubstr("swarm.max_iterations"));
 }
 
-}  // namespace swarm_update_test
-}  // namespace rosefusion
+}  // namespace test_swarm_update
+}  // namespace rosefusion::testing

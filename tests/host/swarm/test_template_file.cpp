@@ -11,11 +11,11 @@
 
 #include "host/core/error.h"
 
-namespace rosefusion {
-namespace template_file_test {
+namespace rosefusion::testing {
+namespace test_template_file {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TemplateOptions small() {
   TemplateOptions options;
@@ -35,7 +35,7 @@ bool same(const TemplateSet& a, const TemplateSet& b) {
   return true;
 }
 
-class TemplateFile : public testing::Test {
+class TemplateFile : public ::testing::Test {
  protected:
   TemplateFile() {
     std::string pattern = (fs::temp_directory_path() / "rosefusion_swarm_XXXXXX").string();
@@ -84,7 +84,7 @@ TEST_F(TemplateFile, RefusesEveryTruncation) {
   for (const size_t length : {size_t{0}, size_t{5}, size_t{8}, size_t{11}, size_t{13}, size_t{30},
                               whole.size() / 2, whole.size() - 8, whole.size() - 1}) {
     put(whole.substr(0, length));
-    EXPECT_THAT(complaint(), testing::AllOf(HasSubstr(file_.string()), HasSubstr("rosefusion pst --out")))
+    EXPECT_THAT(complaint(), ::testing::AllOf(HasSubstr(file_.string()), HasSubstr("rosefusion pst --out")))
         << length;
   }
   put(whole + "x");
@@ -229,5 +229,5 @@ TEST(DefaultTemplateCache, FollowsTheXdgSpecification) {
   set("XDG_CACHE_HOME", xdg.second ? xdg.first.c_str() : nullptr);
 }
 
-}  // namespace template_file_test
-}  // namespace rosefusion
+}  // namespace test_template_file
+}  // namespace rosefusion::testing

@@ -12,10 +12,10 @@
 #include "host/swarm/template_plot.h"
 #include "host/swarm/template_statistics.h"
 
-namespace rosefusion {
-namespace template_sampling_test {
+namespace rosefusion::testing {
+namespace test_template_sampling {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr double kFloatRounding = 1e-6;  // particles are stored as floats of order one
 
@@ -51,7 +51,7 @@ double biasInStandardErrors(const TemplateStatistics& s) {
   return worst;
 }
 
-class TemplateOfSize : public testing::TestWithParam<int> {};
+class TemplateOfSize : public ::testing::TestWithParam<int> {};
 
 TEST_P(TemplateOfSize, IsAnUnbiasedPoissonDiskSample) {
   TemplateOptions options;
@@ -73,7 +73,7 @@ TEST_P(TemplateOfSize, IsAnUnbiasedPoissonDiskSample) {
   EXPECT_NE(set.levels[0][0].particles, set.levels[0][1].particles);
 }
 
-INSTANTIATE_TEST_SUITE_P(TemplateSampling, TemplateOfSize, testing::Values(10240, 3072, 1024));
+INSTANTIATE_TEST_SUITE_P(TemplateSampling, TemplateOfSize, ::testing::Values(10240, 3072, 1024));
 
 // What the thinning is for, and proof that the checks above notice a biased sample.
 TEST(PoissonBall, CrowdsAtTheSurfaceUntilThinned) {
@@ -169,7 +169,7 @@ TEST(TemplateSampling, ReportsProgressOncePerTemplate) {
     EXPECT_EQ(total, 4);
     seen.push_back(done);
   });
-  EXPECT_THAT(seen, testing::ElementsAre(1, 2, 3, 4));
+  EXPECT_THAT(seen, ::testing::ElementsAre(1, 2, 3, 4));
 }
 
 TEST(TemplateSampling, PassesOnWhatTheProgressCallbackThrows) {
@@ -217,5 +217,5 @@ TEST(TemplatePlot, DrawsAllFifteenProjections) {
     }
 }
 
-}  // namespace template_sampling_test
-}  // namespace rosefusion
+}  // namespace test_template_sampling
+}  // namespace rosefusion::testing

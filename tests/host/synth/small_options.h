@@ -2,7 +2,7 @@
 #pragma once
 #include "host/synth/options.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 
 inline SynthOptions smallOptions(std::uint64_t seed = 1, int frames = 60) {
   SynthOptions options;
@@ -12,4 +12,4 @@ inline SynthOptions smallOptions(std::uint64_t seed = 1, int frames = 60) {
   return options;
 }
 
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

@@ -11,7 +11,7 @@
 #include "host/synth/view.h"
 #include "tests/host/synth/small_options.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_motion {
 
 class SixDof : public ::testing::TestWithParam<int> {};
@@ -177,7 +177,7 @@ TEST_F(Replay, IsTheRecordingFasterAndLevel) {
   }
 }
 
-TEST_F(Replay, EndsWithTheRecordingAndSaysWhenItDoesNotFit) {
+TEST_F(Replay, EndsWithTheRecordingOrSaysItIsUnfit) {
   SynthOptions options = smallOptions(1, 500);
   options.motion = Motion::Replay;
   options.replay_file = file_;
@@ -216,4 +216,4 @@ TEST(Options, AbsurdOnesAreRefusedByName) {
 }
 
 }  // namespace test_motion
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

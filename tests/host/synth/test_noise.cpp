@@ -7,7 +7,7 @@
 
 #include "host/synth/noise.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_noise {
 
 struct Moments {
@@ -132,4 +132,4 @@ TEST(ColourNoise, IsNormalAndLeavesTheMean) {
 }
 
 }  // namespace test_noise
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

@@ -8,7 +8,7 @@
 #include "host/synth/sequence.h"
 #include "host/synth/shapes.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_renderer {
 
 constexpr Intrinsics kCamera{64, 48, 32, 32, 31.5, 23.5};
@@ -133,4 +133,4 @@ TEST(Shapes, SolidsFaceOutwards) {
 }
 
 }  // namespace test_renderer
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

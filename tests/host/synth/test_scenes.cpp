@@ -8,7 +8,7 @@
 #include "host/synth/sequence.h"
 #include "tests/host/synth/small_options.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_scenes {
 
 SynthOptions around(SceneKind scene, std::uint64_t seed, int frames) {
@@ -112,4 +112,4 @@ TEST(Scenes, WhatContradictsIsRefused) {
 }
 
 }  // namespace test_scenes
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

@@ -15,7 +15,7 @@
 #include "host/synth/shapes.h"
 #include "tests/host/synth/small_options.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_sensors {
 
 /// A wall at z = `far` across the view (the camera looks along +z from the origin) and, with `near`, a panel
@@ -61,7 +61,7 @@ double spread(const cv::Mat& depth, const cv::Rect& part, double truth) {
   return std::sqrt(sum / static_cast<double>(squares.size()));
 }
 
-TEST(Sensors, AreKnownByNameAndOthersAreRefusedWithTheNames) {
+TEST(Sensors, AreKnownByName) {
   for (const Sensor& s : sensors()) EXPECT_EQ(sensorNamed(s.name).depth, s.depth);
   try {
     sensorNamed("kinect3");
@@ -101,13 +101,13 @@ TEST(Sensors, StructuredLightHasTheProjectorsShadow) {
   EXPECT_GT(validShare(depth, {505, 180, 28, 120}), 0.95);
 }
 
-TEST(Sensors, StructuredLightEndsWhereItsLightIsTooWeak) {
+TEST(Sensors, StructuredLightEndsWhereItIsTooWeak) {
   const Sensor f200 = unregistered("f200");
   EXPECT_GT(validShare(depthOf(f200, wallScene(1)), {160, 120, 320, 240}), 0.95);
   EXPECT_LT(validShare(depthOf(f200, wallScene(1.85)), {160, 120, 320, 240}), 0.1);
 }
 
-TEST(Sensors, PointsOnALargerImageLeaveOnePixelHolesAndAreasNone) {
+TEST(Sensors, SparsePointsLeaveOnePixelHoles) {
   Sensor f200 = sensorNamed("f200");
   const Scene wall = wallScene(0.7);
   const cv::Rect middle(160, 120, 320, 240);
@@ -188,7 +188,7 @@ TEST(Sensors, RowsOfAScanAreSeenAtTheirOwnMoments) {
   EXPECT_NEAR(edgeOf(165) - edgeOf(315), 8.6, 2.1);
 }
 
-TEST(Sensors, FarAndObliqueSurfacesGiveTimeOfFlightTooLittleLight) {
+TEST(Sensors, TimeOfFlightLosesFarObliqueSurfaces) {
   EXPECT_GT(validShare(depthOf(unregistered("azure"), wallScene(2)), {220, 180, 200, 200}), 0.99);
   Scene dark = wallScene(3.5);
   dark.materials[0].rgb = {15, 15, 15};
@@ -203,7 +203,7 @@ TEST(Sensors, AzuresImageIsAHexagon) {
   EXPECT_GT(validShare(depth, {5, 260, 40, 50}), 0.9);
 }
 
-TEST(Sensors, PhoneKnowsNothingSmallerThanItsPointsSpacing) {
+TEST(Sensors, PhoneSeesNothingBelowItsSpacing) {
   // A pole 3 cm wide at 1 m is 6 pixels across, the points are 10.7 apart: it cannot come out at its depth
   // along its whole length, as a panel does.
   Scene scene = wallScene(1.5, 1);
@@ -245,7 +245,7 @@ TEST(Sensors, SameSeedSameImagesOnAnyNumberOfThreads) {
 
 /// Sequences of earlier versions can be made again: kinect1 in a room is what it was before there were other
 /// sensors.
-TEST(Sensors, Kinect1IsTrueDepthWithHandasNoiseFromTheFramesOwnStream) {
+TEST(Sensors, Kinect1IsTrueDepthWithHandasNoise) {
   SynthOptions options = smallOptions(4, 3);
   options.colour = true;
   const SynthPlan plan(options);
@@ -263,4 +263,4 @@ TEST(Sensors, Kinect1IsTrueDepthWithHandasNoiseFromTheFramesOwnStream) {
 }
 
 }  // namespace test_sensors
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

@@ -16,7 +16,7 @@
 #include "host/synth/tum_writer.h"
 #include "tests/host/synth/small_options.h"
 
-namespace rosefusion {
+namespace rosefusion::testing {
 namespace test_sequence {
 
 namespace fs = std::filesystem;
@@ -63,7 +63,7 @@ TEST(Sequence, OtherSeedsGiveOtherRoomsOfSensibleSize) {
   }
 }
 
-TEST(Sequence, SimkinectsNoiseReadsNearerAndIsNamedInTheReport) {
+TEST(Sequence, SimkinectsNoiseReadsNearer) {
   SynthOptions options = smallOptions(5, 2);
   const SynthPlan handa(options);
   options.noise = DepthNoise::Simkinect;
@@ -185,7 +185,7 @@ TEST_F(Folder, DepthPngsAreMetresTimes5000) {
   EXPECT_NEAR(depth.at<std::uint16_t>(33, 11) / 5000.0, hit->distance, 0.00011);
 }
 
-TEST_F(Folder, ThatIsNotEmptyIsRefusedAndOnlySequencesAreReplaced) {
+TEST_F(Folder, OnlyEmptyOnesAndSequencesAreReplaced) {
   using ::testing::HasSubstr;
   const SynthPlan plan(smallOptions(4, 2));
   writeTumSequence(root_ / "out", plan, false);
@@ -212,7 +212,7 @@ TEST_F(Folder, WhatOnlyLooksLikeALeftoverIsKept) {
   EXPECT_NE(complaintFor(""), "");
 }
 
-TEST_F(Folder, WhatAKilledRunLeftIsReplacedAtWhateverMomentItWas) {
+TEST_F(Folder, WhatAKilledRunLeftIsReplaced) {
   const SynthPlan plan(smallOptions(2, 4));
   fs::create_directories(root_ / "out.part" / "depth");
   std::ofstream(root_ / "out.part" / ".rosefusion-part") << "";
@@ -291,4 +291,4 @@ TEST_F(Folder, MeshesThatAreNoRoomsAreRefused) {
 }
 
 }  // namespace test_sequence
-}  // namespace rosefusion
+}  // namespace rosefusion::testing

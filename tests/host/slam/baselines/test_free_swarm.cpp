@@ -6,8 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace rosefusion {
-namespace free_swarm_test {
+namespace rosefusion::testing {
+namespace test_free_swarm {
 
 constexpr double kExact = 1e-12;
 
@@ -75,7 +75,7 @@ TEST(FreeSwarm, TheBestParticleBecomesTheCentre) {
   EXPECT_NEAR(step.likelihood_after, 0.9, 1e-6);
 }
 
-TEST(FreeSwarm, NothingBetterKeepsTheCentreAndAllIterationsAreSpent) {
+TEST(FreeSwarm, NothingBetterKeepsTheCentre) {
   SwarmSettings settings = settingsOf({{4, 8}, {4, 4}});
   settings.max_empty_sets = 2;
   settings.max_iterations = 3;
@@ -108,7 +108,7 @@ TEST(FreeSwarm, ParticlesThatDoNotCountNeitherWinNorPass) {
   for (const Vector6& p : swarm.particles) EXPECT_NEAR(p[0], 0.75 * 0.5, kExact);
 }
 
-TEST(FreeSwarm, PfoResamplesByWeightAndSpreadsByTheProposal) {
+TEST(FreeSwarm, PfoResamplesByWeightAndSpreads) {
   const SwarmSettings settings = settingsOf({{4, 8}, {4001, 4}});
   PortableRandom random(7);
   FreeSwarm swarm = beginFreeSwarm(settings, Pose::Identity(), lineTemplate(4), nullptr);
@@ -164,7 +164,7 @@ TEST(FreeSwarm, PsoParticlesBeyondTheLevelWait) {
   EXPECT_EQ(swarm.evaluated(settings), 4u);
 }
 
-TEST(FreeSwarm, BothFindTheOptimumOfASmoothLossRepeatably) {
+TEST(FreeSwarm, BothFindASmoothOptimumRepeatably) {
   const SwarmSettings settings = settingsOf({{512, 8}});
   Vector6 optimum;
   optimum << 0.08, -0.05, 0.03, 0.02, -0.04, 0.01;
@@ -186,5 +186,5 @@ TEST(FreeSwarm, BothFindTheOptimumOfASmoothLossRepeatably) {
   }
 }
 
-}  // namespace free_swarm_test
-}  // namespace rosefusion
+}  // namespace test_free_swarm
+}  // namespace rosefusion::testing

@@ -5,7 +5,7 @@
 #include "tests/host/slam/short_sequence.h"
 
 namespace rosefusion::testing {
-namespace test_methods {
+namespace test_pose_methods {
 
 /// Slow enough for the methods that only descend, and yet some way to go.
 const SynthSequence& slowSequence() {
@@ -55,7 +55,7 @@ class PoseMethods : public ValidatingDevice {
   }
 };
 
-TEST_F(PoseMethods, EachTracksASlowCameraRepeatablyInItsOwnWay) {
+TEST_F(PoseMethods, EachTracksASlowCameraRepeatably) {
   const std::string kParticles = "swarm.levels=4096/16 1024/8 512/4";  // this fast, fewer miss too much
   const Trajectory& truth = slowSequence().truth;
   const double travelled =
@@ -94,12 +94,12 @@ TEST_F(PoseMethods, SwarmsSpendTheSameBudget) {
   }
 }
 
-TEST_F(PoseMethods, EverySwitchOfTheAblationsChangesTheSearch) {
+TEST_F(PoseMethods, EveryAblationChangesTheSearch) {
   const Tracked ours = track({});
   for (const char* off : {"tracking.overlap=none", "tracking.normalise=false", "tracking.compensate=false",
                           "swarm.rescaling=anisotropic", "swarm.rescaling=isotropic", "swarm.levels=512/8"})
     EXPECT_FALSE(same(ours, track({off}))) << off;
 }
 
-}  // namespace test_methods
+}  // namespace test_pose_methods
 }  // namespace rosefusion::testing

@@ -5,7 +5,7 @@
 #include "host/slam/loop_closure/keyframe_graph.h"
 
 namespace rosefusion::testing {
-namespace test_keyframe_map {
+namespace test_keyframe_graph {
 
 using ::testing::ElementsAre;
 using ::testing::Optional;
@@ -28,7 +28,7 @@ KeyframeGraph thereAndBack(double drift) {
   return map;
 }
 
-TEST(KeyframeGraph, AKeyframeIsWhereTheCameraHasMovedOrTurnedEnough) {
+TEST(KeyframeGraph, KeyframesNeedMotionOrTurn) {
   KeyframeGraph map{LoopSettings{}};
   EXPECT_TRUE(map.add(at(0), true, true));
   EXPECT_FALSE(map.add(at(0.1), true, true));
@@ -54,7 +54,7 @@ TEST(KeyframeGraph, OnlyOldKeyframesInReachAreRecognised) {
   EXPECT_FALSE(young.candidate(any, unknown)) << "passed just before";
 }
 
-TEST(KeyframeGraph, ThePlaceThatSharesMostIsRecognisedWhereverItIs) {
+TEST(KeyframeGraph, RecognisesThePlaceThatSharesMost) {
   const KeyframeGraph map = thereAndBack(0.05);
   const auto seen = [](std::size_t i) { return i == 12 ? 0.6 : i == 15 ? 0.5 : i + 1 == 41 ? 0.9 : 0.1; };
   EXPECT_THAT(map.candidate(any, seen), Optional(12u)) << "the newest, which shares most, is too young";
@@ -64,7 +64,7 @@ TEST(KeyframeGraph, ThePlaceThatSharesMostIsRecognisedWhereverItIs) {
   EXPECT_THAT(thereAndBack(1.2).candidate(any, seen), Optional(12u)) << "drift beyond loops.reach";
 }
 
-TEST(KeyframeGraph, NeighboursComeFromBothSidesButNotFromAcrossALoss) {
+TEST(KeyframeGraph, NeighboursNeverLieAcrossALoss) {
   KeyframeGraph map = thereAndBack(0);
   EXPECT_THAT(map.neighbours(7, any), ElementsAre(3, 4, 5, 6, 7, 8, 9, 10, 11)) << "within loops.reach";
   EXPECT_THAT(map.neighbours(0, any), ElementsAre(0, 1, 2, 3, 4));
@@ -90,7 +90,7 @@ TEST(KeyframeGraph, ClosingTakesAllFramesAlong) {
 }
 
 // A single frame before a flat wall must not take up a whole loop's drift.
-TEST(KeyframeGraph, AMotionIsAsLooseAsTheShareOfItThatFramesNotFirmMade) {
+TEST(KeyframeGraph, LooseFramesInflateTheirShareOfAMotion) {
   const auto shareOfFirstStep = [](double loose_from, double loose_to) {
     KeyframeGraph map{LoopSettings{}};
     for (int i = 0; i <= 600; ++i) {  // a step of 1 cm at a time, the first 20 cm partly not constrained
@@ -107,7 +107,7 @@ TEST(KeyframeGraph, AMotionIsAsLooseAsTheShareOfItThatFramesNotFirmMade) {
   EXPECT_GT(all, 10 * constrained);
 }
 
-TEST(KeyframeGraph, AStepThatWasTrackedFirmlyIsNoDrift) {
+TEST(KeyframeGraph, AWellConstrainedStepIsNoDrift) {
   for (const bool constrained : {true, false}) {
     KeyframeGraph map{LoopSettings{}};
     const auto add = [&](int i, double drift, bool held) {
@@ -123,7 +123,7 @@ TEST(KeyframeGraph, AStepThatWasTrackedFirmlyIsNoDrift) {
 }
 
 // The tracker slid back onto the old map: by what it says, nothing drifted.
-TEST(KeyframeGraph, MotionsMeasuredAnewShowTheDriftThatASlideHid) {
+TEST(KeyframeGraph, LocalOdometryShowsDriftHiddenByASlide) {
   constexpr double kDrift = 0.2;
   const auto slidingMap = [](std::vector<Pose>& anew) {
     KeyframeGraph map{LoopSettings{}};
@@ -146,7 +146,7 @@ TEST(KeyframeGraph, MotionsMeasuredAnewShowTheDriftThatASlideHid) {
   EXPECT_LT(measured.pose(32).translation().y(), 0.3 * kDrift);
 }
 
-TEST(KeyframeGraph, TellsWhenTheNewestMeetsWhatWasPassedLongAgo) {
+TEST(KeyframeGraph, TellsWhenTheNewestMeetsOldPlaces) {
   KeyframeGraph map{LoopSettings{}};
   for (int i = 0; i <= 40; ++i) map.add(at(0.2 * i), true, true);
   const auto onlyWith = [](std::size_t keyframe) {
@@ -157,7 +157,7 @@ TEST(KeyframeGraph, TellsWhenTheNewestMeetsWhatWasPassedLongAgo) {
   EXPECT_FALSE(map.overlapsOld(0.05, onlyWith(39))) << "that was passed just now";
 }
 
-TEST(KeyframeGraph, FramesAfterAClosureHangOntoTheCorrectedPlace) {
+TEST(KeyframeGraph, FramesAfterAClosureFollowTheCorrection) {
   KeyframeGraph map = thereAndBack(0.2);
   map.addConstraint(map.constraintTo(0, at(0)));
   ASSERT_TRUE(map.close());
@@ -180,7 +180,7 @@ TEST(KeyframeGraph, ATieThatContradictsAnOlderOneIsForgotten) {
   EXPECT_TRUE(map.framePoses().back().isApprox(before.back(), 1e-6));
 }
 
-TEST(KeyframeGraph, AfterALossFramesHangOntoTheNearestKeyframe) {
+TEST(KeyframeGraph, AfterALossFramesJoinTheNearestKeyframe) {
   KeyframeGraph map{LoopSettings{}};
   for (int i = 0; i <= 40; ++i) map.add(at(0.2 * i), true, true);  // drifts away, and is lost at 8 m
   map.onTrackingLost();
@@ -195,5 +195,5 @@ TEST(KeyframeGraph, AfterALossFramesHangOntoTheNearestKeyframe) {
   EXPECT_NEAR(map.framePoses()[41].translation().y(), 0.05, 0.03);
 }
 
-}  // namespace test_keyframe_map
+}  // namespace test_keyframe_graph
 }  // namespace rosefusion::testing

@@ -6,7 +6,7 @@
 #include "host/slam/loop_closure/keyframe_images.h"
 
 namespace rosefusion::testing {
-namespace test_keyframe_store {
+namespace test_keyframe_images {
 
 Frame noisyFrame(int number, bool colour) {
   cv::RNG rng(static_cast<std::uint64_t>(number) + 1);
@@ -58,5 +58,5 @@ TEST(KeyframeImages, ThinsWhereTheWayIsDensest) {
     }
 }
 
-}  // namespace test_keyframe_store
+}  // namespace test_keyframe_images
 }  // namespace rosefusion::testing

@@ -156,7 +156,7 @@ Jump closeOver(Device& device, int jump, bool constrained, double share, double 
 
 // Where what was seen long ago weighs more, the tracker leaves the new wall for the old one before two
 // keyframes have asked for it.
-TEST_F(LoopClosing, AJumpOntoTheOldMapBendsTheWayThatLedThere) {
+TEST_F(LoopClosing, AJumpOntoTheOldMapBendsTheWay) {
   constexpr double kShare = 0.3;  // the first keyframe that recognises the place is sure of it
   const Jump drifting = closeOver(device(), kRingFrames, true, kShare);
   ASSERT_TRUE(drifting.closed_at);
@@ -176,7 +176,7 @@ TEST_F(LoopClosing, AJumpOntoTheOldMapBendsTheWayThatLedThere) {
 
 // It leaves it bit by bit, before any keyframe recognises the place: all comparisons find the camera where it
 // is thought to be, and only the way measured against recent keyframes tells of the drift.
-TEST_F(LoopClosing, ASlideOntoTheOldMapBendsTheWayThatLedThereToo) {
+TEST_F(LoopClosing, ASlideOntoTheOldMapBendsTheWay) {
   constexpr double kShare = 0.4, kDrift = 0.08;
   constexpr int kSlide = 12;
   const Jump drifting = closeOver(device(), kRingFrames, true, kShare, kDrift);

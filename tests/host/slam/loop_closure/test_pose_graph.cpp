@@ -101,7 +101,7 @@ TEST(PoseGraph, TheResultIsAMinimumOfTheWeightedSquares) {
       }
 }
 
-TEST(PoseGraph, AnUncertainMotionTakesMostOfTheCorrection) {
+TEST(PoseGraph, UncertainMotionTakesMostCorrection) {
   std::vector<Pose> line;
   std::vector<PoseEdge> edges;
   for (std::size_t i = 0; i < 5; ++i)

@@ -34,7 +34,7 @@ TEST(DepthHoles, WhatHasDepthStays) {
   EXPECT_EQ(cv::countNonZero(withSmallHolesFilled(whole) != whole), 0);
 }
 
-TEST(DepthHoles, NothingIsFilledBetweenTwoSurfacesOrBeyondOne) {
+TEST(DepthHoles, NothingIsFilledBetweenSurfaces) {
   cv::Mat edge = surface(0);
   edge.colRange(0, kSide / 2).setTo(500);
   edge.col(kSide / 2).setTo(0);

@@ -89,7 +89,7 @@ TEST_F(FreeSpaceOfKeyframes, EarlierImagesAreRemembered) {
   EXPECT_NEAR(seen_.violation(withHand(wall()), at(0, 0, 0)), 0.5, 0.03);
 }
 
-TEST_F(FreeSpaceOfKeyframes, AfterACorrectionImagesAreWhereTheirFramesAre) {
+TEST_F(FreeSpaceOfKeyframes, ImagesMoveWithTheirFrames) {
   keep(wall(), at(0, 0, 0), 0);
   keep(wall(), at(20, 0, 0), 1);
   const std::vector<Pose> corrected{at(5, 0, 0), at(30, 0, 0)};

@@ -32,7 +32,7 @@ TEST(KeptFrames, LieApart) {
   EXPECT_NE(frames.all()[0].frame.depth.data, shown.depth.data) << "the caller's image may change";
 }
 
-TEST(KeptFrames, BeyondTheLimitEverySecondGoesAndTheyLieTwiceAsFarApart) {
+TEST(KeptFrames, BeyondTheLimitEverySecondGoes) {
   LoopSettings settings;
   settings.memory_mb = 1;  // of images of 128 KiB: 8
   KeptFrames frames(settings);

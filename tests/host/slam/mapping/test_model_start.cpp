@@ -29,7 +29,7 @@ TEST(ModelStart, AFrameInBetweenThatFitsEndsTheRow) {
   EXPECT_FALSE(start.rival(frameAt(3), 0.9));
 }
 
-TEST(ModelStart, ARivalMustTellMoreThanWhatConfirmedTheModel) {
+TEST(ModelStart, ARivalMustOutweighTheConfirmation) {
   for (const double confirmed : {0.3, 0.5}) {
     ModelStart start;
     start.begin(frameAt(0), 0.8);

@@ -7,8 +7,8 @@
 
 #include "host/slam/mapping/surface_patches.h"
 
-namespace rosefusion {
-namespace test_surface_directions {
+namespace rosefusion::testing {
+namespace test_surface_patches {
 
 const Intrinsics kCamera{320, 240, 160, 160, 159.5, 119.5};
 
@@ -65,7 +65,7 @@ TEST(SurfaceDirections, ThePlanesOfACornerAreFound) {
   }
 }
 
-TEST(SurfaceDirections, TheTurnBetweenTwoViewsIsAmongThoseThatAgree) {
+TEST(SurfaceDirections, FindsTheTurnBetweenTwoViews) {
   const Corner planes = corner(M_PI / 2);
   const Pose first = pose(0.6, -0.4, 0), second = pose(-0.1, -0.7, 0.7);
   ASSERT_GT(turnBetween(first.linear(), second.linear()), 0.7) << "more than any search from the pose covers";
@@ -101,5 +101,5 @@ TEST(SurfaceDirections, NothingIsFoundWithoutDepth) {
   EXPECT_TRUE(dominantDirections({}, 0.04, 5).empty());
 }
 
-}  // namespace test_surface_directions
-}  // namespace rosefusion
+}  // namespace test_surface_patches
+}  // namespace rosefusion::testing

@@ -6,8 +6,8 @@
 
 #include "host/slam/relocalisation/plane_alignment.h"
 
-namespace rosefusion {
-namespace test_agreeing_places {
+namespace rosefusion::testing {
+namespace test_plane_alignment {
 
 /// Patches every 15 cm of a rectangle from `corner` along two sides.
 void addRectangle(std::vector<SurfacePatch>& patches, const Eigen::Vector3d& corner, const Eigen::Vector3d& a,
@@ -72,7 +72,7 @@ std::size_t rankOf(const Pose& truth, const std::vector<PoseHypothesis>& poses, 
   return poses.size();
 }
 
-TEST(PlaneAlignment, ACornerOfARoomIsFoundAmongTheFirstWithoutAGuess) {
+TEST(PlaneAlignment, FindsARoomsCornerWithoutAGuess) {
   const auto model = room();
   for (const double yaw : {0.6, 2.2, 3.8, 5.4}) {
     const Pose camera = lookingAlong({2.7, 2.1, 1.4}, yaw, 0.4);
@@ -96,7 +96,7 @@ TEST(PlaneAlignment, HalfOfTheViewMayBeUnknown) {
   EXPECT_LT(rankOf(camera, poseHypotheses(view, model, quarters(camera.linear()), 1000), 0.15), 1000U);
 }
 
-TEST(PlaneAlignment, ADirectionThatTheViewLeavesOpenIsTriedAllAlong) {
+TEST(PlaneAlignment, AnOpenDirectionIsTriedAllAlong) {
   std::vector<SurfacePatch> corridor;
   addRectangle(corridor, {0, 0, 0}, {12, 0, 0}, {0, 2, 0});
   addRectangle(corridor, {0, 2, 0}, {12, 0, 0}, {0, 0, 2.5});
@@ -124,5 +124,5 @@ TEST(PlaneAlignment, NothingSeenOrNothingKnownHasNoPlace) {
   EXPECT_TRUE(poseHypotheses(wall, room(), rotations, 10).empty()) << "one direction alone";
 }
 
-}  // namespace test_agreeing_places
-}  // namespace rosefusion
+}  // namespace test_plane_alignment
+}  // namespace rosefusion::testing

@@ -15,7 +15,7 @@ PoseFit closeBy(double share) {
 
 constexpr double kIntruding = 0.05;
 
-TEST(InlierStatistics, ALostCameraMustFitAboutAsWellAsItsFramesDo) {
+TEST(InlierStatistics, ALostCameraMustFitAsItsFramesDo) {
   InlierStatistics usual;
   const AcceptanceThresholds otherwise = usual.thresholds(false, kIntruding);
   EXPECT_EQ(usual.thresholds(true, kIntruding).inlier_ratio, otherwise.inlier_ratio)
@@ -34,7 +34,7 @@ TEST(InlierStatistics, ALostCameraMustFitAboutAsWellAsItsFramesDo) {
   EXPECT_EQ(usual.thresholds(true, kIntruding).free_space, kIntruding);
 }
 
-TEST(InlierStatistics, WhereFramesDifferAFoundPlaceMayDifferAsMuch) {
+TEST(InlierStatistics, ThresholdsWidenWithTheFramesSpread) {
   InlierStatistics usual;
   for (int i = 0; i < 400; ++i) usual.add(closeBy(i % 2 ? 0.98 : 0.94));
   EXPECT_NEAR(usual.thresholds(true, kIntruding).inlier_ratio, 0.96 - 3 * 0.02, 0.002);

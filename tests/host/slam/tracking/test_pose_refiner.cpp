@@ -69,7 +69,7 @@ void addNoise(reference::Image& image, std::uint32_t seed) {
 }
 
 // GPUs evaluate the steps that would follow refused ones as well.
-TEST_F(Refining, TrialsThatAreEvaluatedTogetherChangeNoBit) {
+TEST_F(Refining, TrialsEvaluatedTogetherChangeNoBit) {
   fuse(makeSequence(kPlainCamera, kFrames, 81));
   const std::vector<Pose> starts{off({0.03, -0.02, 0.02}, 0.02, {1, 2, 0}),
                                  off({0.2, 0.1, 0}, 0.1, {0, 1, 3}), truth_};
