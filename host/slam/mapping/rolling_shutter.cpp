@@ -45,17 +45,16 @@ class Depths {
     const std::uint16_t value = raw_.at<std::uint16_t>(v, u);
     return value == 65535 ? 0 : metres_ * value;
   }
-  /// What is that far beside a pixel, at most one: on a plane 1 / z is linear in the image.
+  /// What is that far beside a pixel, which has a depth; at most one.
   float beside(int u, int v, float off_u, float off_v) const {
-    const float z = at(u, v);
-    return 1 / (1 / z + slope(u, v, 1, 0) * off_u + slope(u, v, 0, 1) * off_v);
+    return at(u, v) + slope(u, v, 1, 0) * off_u + slope(u, v, 0, 1) * off_v;
   }
 
  private:
   float slope(int u, int v, int du, int dv) const {
     if (u < du || v < dv || u + du >= raw_.cols || v + dv >= raw_.rows) return 0;
     const float before = at(u - du, v - dv), here = at(u, v), after = at(u + du, v + dv);
-    return before > 0 && after > 0 ? minmod(1 / here - 1 / before, 1 / after - 1 / here) : 0;
+    return before > 0 && after > 0 ? minmod(here - before, after - here) : 0;
   }
 
   const cv::Mat& raw_;
@@ -73,32 +72,37 @@ Frame withoutRollingShutter(const Frame& frame, const Intrinsics& k, double dept
   const bool coloured = frame.colour.size() == frame.depth.size();
   if (coloured) out.colour = cv::Mat(frame.colour.size(), frame.colour.type(), cv::Scalar(0));
   // What a pixel shows had moved by a smooth function of it: the pixel that is moved onto a target is found
-  // by following that back from the target.
+  // by following that back from the target, beginning as far away as the neighbour's was.
   constexpr int kSteps = 3;
   cv::parallel_for_(cv::Range(0, k.height), [&](const cv::Range& range) {
-    for (int v = range.start; v < range.end; ++v)
+    for (int v = range.start; v < range.end; ++v) {
+      int away_u = 0, away_v = 0;
       for (int u = 0; u < k.width; ++u) {
-        int from_u = u, from_v = v;
+        int from_u = u + away_u, from_v = v + away_v;
+        away_u = away_v = 0;
         for (int step = 0; step < kSteps; ++step) {
+          if (from_u < 0 || from_v < 0 || from_u >= k.width || from_v >= k.height) break;
           const float known = depths.at(from_u, from_v);
           // A turn moves all depths alike, so that a hole is moved as what is far.
           const float z = known > 0 ? known : 1e6f;
           const RowMotion& row = rows[from_v];
           const Eigen::Vector3f to = row.turn * Eigen::Vector3f(z * from_u, z * from_v, z) + row.shift;
-          const float off_u = u - to.x() / to.z(), off_v = v - to.y() / to.z();
+          const float scale = 1 / to.z(), off_u = u - to.x() * scale, off_v = v - to.y() * scale;
           if (!(std::abs(off_u) > 0.5f || std::abs(off_v) > 0.5f) || step + 1 == kSteps) {
             if (known > 0 && std::abs(off_u) < 1 && std::abs(off_v) < 1)
               out.depth.at<std::uint16_t>(v, u) = cv::saturate_cast<std::uint16_t>(
                   depth_units_per_metre * (to.z() + depths.beside(from_u, from_v, off_u, off_v) - z));
             if (coloured) out.colour.at<cv::Vec3b>(v, u) = frame.colour.at<cv::Vec3b>(from_v, from_u);
+            away_u = from_u - u;
+            away_v = from_v - v;
             break;
           }
           if (std::abs(off_u) >= k.width || std::abs(off_v) >= k.height) break;
           from_u += static_cast<int>(std::lround(off_u));
           from_v += static_cast<int>(std::lround(off_v));
-          if (from_u < 0 || from_v < 0 || from_u >= k.width || from_v >= k.height) break;
         }
       }
+    }
   });
   return out;
 }
