@@ -26,7 +26,7 @@ std::unique_ptr<Sequence> openImages(const RunResult& result, const std::filesys
   if (!std::filesystem::exists(source))
     throw InputError(source.string() + ": the recording of " + result.folder.string() +
                      " is not there, and its images are needed; say where it is with --recording.");
-  SequenceOptions options;
+  SequenceOptions options = result.opened_with;
   options.colour = true;
   return openSequence(source, options);
 }

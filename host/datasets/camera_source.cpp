@@ -77,6 +77,7 @@ std::optional<CameraSource> readCalibration(const std::filesystem::path& folder,
 
 void chooseCamera(const CameraSource& camera, double depth_units_per_metre, bool depth_units_assumed,
                   const SequenceOptions& options, int width, int height, SequenceInfo& info) {
+  info.opened_with = options;
   Intrinsics k = options.intrinsics.value_or(camera.values);
   info.intrinsics_source = options.intrinsics ? "the given intrinsics" : camera.source;
   info.intrinsics_assumed = !options.intrinsics && camera.assumed;

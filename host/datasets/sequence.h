@@ -25,6 +25,7 @@ struct SequenceOptions {
 struct SequenceInfo {
   std::string format;  ///< such as "TUM RGB-D"
   std::filesystem::path path;
+  SequenceOptions opened_with;      ///< which opens it again
   Intrinsics intrinsics;            ///< of the depth images; width and height are always set
   std::string intrinsics_source;    ///< the file or the convention they come from
   bool intrinsics_assumed = false;  ///< by convention rather than read from a file or given by the caller

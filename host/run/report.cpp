@@ -74,6 +74,11 @@ Json reportJson(const RunSummary& summary, const SequenceInfo& info, Pipeline& p
   Json report;
   report["sequence"] = {{"path", info.path.string()}, {"format", info.format}};
   if (info.seconds_per_stamp != 1) report["sequence"]["seconds_per_stamp"] = info.seconds_per_stamp;
+  Json& given = report["sequence"]["given"] = Json::object();  // which opens it again
+  if (const auto& k = info.opened_with.intrinsics) given["intrinsics"] = {k->fx, k->fy, k->cx, k->cy};
+  if (const auto& units = info.opened_with.depth_units_per_metre) given["depth_units_per_metre"] = *units;
+  if (!info.opened_with.topic.empty()) given["topic"] = info.opened_with.topic;
+  if (given.empty()) report["sequence"].erase("given");
   const Intrinsics& k = info.intrinsics;
   report["camera"] = {{"width", k.width}, {"height", k.height}, {"fx", k.fx},
                       {"fy", k.fy},       {"cx", k.cx},         {"cy", k.cy}};

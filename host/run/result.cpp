@@ -58,6 +58,18 @@ PageFrame frameOf(const CsvRow& row, double seconds_per_stamp) {
   return frame;
 }
 
+SequenceOptions optionsOf(const nlohmann::json& given) {
+  SequenceOptions options;
+  if (given.contains("intrinsics")) {
+    const auto& k = given["intrinsics"];
+    options.intrinsics = Intrinsics{0, 0, k.at(0), k.at(1), k.at(2), k.at(3)};
+  }
+  if (given.contains("depth_units_per_metre"))
+    options.depth_units_per_metre = given["depth_units_per_metre"].get<double>();
+  options.topic = given.value("topic", "");
+  return options;
+}
+
 }  // namespace
 
 RunResult readResult(const fs::path& folder) {
@@ -72,6 +84,7 @@ RunResult readResult(const fs::path& folder) {
     const auto report = nlohmann::json::parse(readTextFile(report_file));
     result.recording = report.at("sequence").value("path", "");
     seconds_per_stamp = report.at("sequence").value("seconds_per_stamp", 1.0);
+    result.opened_with = optionsOf(report.at("sequence").value("given", nlohmann::json::object()));
     if (report.contains("camera")) {
       const auto& k = report["camera"];
       result.camera =

@@ -12,6 +12,7 @@ namespace rosefusion {
 struct RunResult {
   std::filesystem::path folder;
   std::filesystem::path recording;  ///< as the run was told; relative paths may lead nowhere now
+  SequenceOptions opened_with;      ///< what the run was told of it, without colour
   std::optional<Intrinsics> camera;
   std::vector<PageFrame> frames;
 };

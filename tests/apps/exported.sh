@@ -52,6 +52,10 @@ JS
   node -e 'const t = JSON.parse(require("fs").readFileSync(process.argv[1] + "/transforms.json"));
     for (const f of t.frames) for (const p of [f.file_path, f.depth_file_path]) require("fs").accessSync(process.argv[1] + "/" + p);
     if (t.frames.length < 15) throw new Error("only " + t.frames.length + " frames");' "$folder/n"
+  "$program" run "$folder/s" --out "$folder/u" --no-page --max-frames 3 --depth-units-per-metre 2500 >/dev/null
+  "$program" export "$folder/u" --to "$folder/n2" --as nerfstudio >/dev/null
+  cmp -s "$folder/n/depth/$(ls "$folder/n/depth" | head -n 1)" "$folder/n2/depth/$(ls "$folder/n2/depth" | head -n 1)" &&
+    fail "the depth's units that the run was told are forgotten."
   "$program" export "$folder/o" --to "$folder/m" --as colmap >/dev/null
   [[ $(grep -c '\.jpg$' "$folder/m/sparse/0/images.txt") -ge 15 ]] || fail "COLMAP's model lists too few images."
 else
