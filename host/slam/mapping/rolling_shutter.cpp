@@ -65,11 +65,12 @@ class Depths {
 
 Frame withoutRollingShutter(const Frame& frame, const Intrinsics& k, double depth_units_per_metre,
                             double readout, const Velocity& motion) {
+  if (frame.depth.size() != cv::Size(k.width, k.height) || frame.depth.type() != CV_16UC1) return frame;
   const std::vector<RowMotion> rows = rowMotions(k, readout, motion);
   const Depths depths(frame.depth, depth_units_per_metre);
   Frame out = frame;
   out.depth = cv::Mat(frame.depth.size(), frame.depth.type(), cv::Scalar(0));
-  const bool coloured = frame.colour.size() == frame.depth.size();
+  const bool coloured = frame.colour.size() == frame.depth.size() && frame.colour.type() == CV_8UC3;
   if (coloured) out.colour = cv::Mat(frame.colour.size(), frame.colour.type(), cv::Scalar(0));
   // What a pixel shows had moved by a smooth function of it: the pixel that is moved onto a target is found
   // by following that back from the target, beginning as far away as the neighbour's was.

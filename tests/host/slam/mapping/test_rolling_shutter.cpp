@@ -105,6 +105,18 @@ TEST(RollingShutter, ColourGoesWithItsDepth) {
   EXPECT_GT(compared, 10000);
 }
 
+TEST(RollingShutter, ImagesOfAnotherKindStayAsTheyAre) {
+  Frame small;
+  small.depth = cv::Mat(10, 20, CV_16UC1, cv::Scalar(7));
+  EXPECT_EQ(withoutRollingShutter(small, kCamera, kUnits, kReadout, kMotion).depth.data, small.depth.data);
+  Frame floats;
+  floats.depth = cv::Mat(kCamera.height, kCamera.width, CV_32FC1, cv::Scalar(7));
+  EXPECT_EQ(withoutRollingShutter(floats, kCamera, kUnits, kReadout, kMotion).depth.data, floats.depth.data);
+  Frame grey = imageOf(0);
+  grey.colour = cv::Mat(grey.depth.size(), CV_8UC1, cv::Scalar(9));
+  EXPECT_EQ(withoutRollingShutter(grey, kCamera, kUnits, kReadout, kMotion).colour.data, grey.colour.data);
+}
+
 TEST(RollingShutter, AbsurdMotionsGiveHoles) {
   const Frame frame = imageOf(0);
   for (const double much : {1e3, 1e9, 1e300, std::nan("")}) {
