@@ -137,6 +137,7 @@ PoseRefiner::PoseRefiner(Device& device, const Settings& settings, const Intrins
                static_cast<float>(settings.refine.model_noise), settings.refine.front_only},
       colour_weight_(settings.refine.colour_weight *
                      std::pow(settings.depth.noise_floor / kLuminanceDeviation, 2)),
+      measures_readout_(settings.depth.rolling_shutter && settings.depth.readout == 0),
       // A GPU evaluates a few poses in the time of one, a CPU does not.
       trials_at_once_(trials_at_once > 0                      ? trials_at_once
                       : device.info().type == DeviceType::Cpu ? 1
@@ -210,6 +211,10 @@ std::vector<PoseRefiner::Evaluation> PoseRefiner::evaluate(const Volume& volume,
   return out;
 }
 
+std::vector<RefineSums> PoseRefiner::lastBands(std::size_t place) const {
+  return measures_readout_ ? refine_.bands(place, kBands) : std::vector<RefineSums>{};
+}
+
 PoseFit PoseRefiner::fitOf(const Descent& d) const {
   PoseFit fit;
   fit.world_from_camera = d.place.pose;
@@ -272,6 +277,8 @@ std::vector<PoseFit> PoseRefiner::refine(const Volume& volume, std::span<const P
   std::vector<Place> places;
   for (const Pose& start : starts) places.push_back({start});
   std::vector<Evaluation> first = evaluate(volume, places);
+  std::vector<std::vector<RefineSums>> bands;
+  for (std::size_t i = 0; i < first.size(); ++i) bands.push_back(lastBands(i));
   if (doubts_slopes_ && !first.empty()) {
     const auto costOf = [](const Evaluation& at) { return at.depth[shader::kRefineCost]; };
     const auto best = std::ranges::min_element(first, {}, costOf) - first.begin();
@@ -286,7 +293,7 @@ std::vector<PoseFit> PoseRefiner::refine(const Volume& volume, std::span<const P
   }
   std::vector<Descent> descents;
   for (std::size_t i = 0; i < starts.size(); ++i)
-    descents.push_back({places[i], first[i], modelOf(first[i]), refine_.bands(i, kBands)});
+    descents.push_back({places[i], first[i], modelOf(first[i]), std::move(bands[i])});
   while (true) {
     std::vector<Trial> trials;
     for (Descent& d : descents) propose(d, iterations, expected, trials);
@@ -314,7 +321,7 @@ std::vector<PoseFit> PoseRefiner::refine(const Volume& volume, std::span<const P
         d.place = trials[k].place;
         d.at = found[k];
         d.model = modelOf(found[k]);
-        d.bands = refine_.bands(k, kBands);
+        d.bands = lastBands(k);
       }
       d.finished = ends(trials[k].step, d.damping);
     }

@@ -59,11 +59,14 @@ class PoseRefiner {
   bool ends(const Vector6& step, double damping) const;
   void propose(Descent& descent, int most_trials, const Pose& expected, std::vector<Trial>& trials);
   std::vector<Evaluation> evaluate(const Volume& volume, std::span<const Place> places);
+  /// Of what was evaluated last; none where nobody asks for them.
+  std::vector<RefineSums> lastBands(std::size_t place) const;
   PoseFit fitOf(const Descent& descent) const;
 
   const RefineSettings settings_;
   const RefineWeights weights_;
   const double colour_weight_;  ///< of a squared luminance, in squared metres
+  const bool measures_readout_;
   const int trials_at_once_;
   const Intrinsics intrinsics_;
   const shader::CameraIntrinsics camera_;

@@ -68,6 +68,28 @@ void addNoise(reference::Image& image, std::uint32_t seed) {
     if (depth != 0 && depth != 65535) depth = static_cast<std::uint16_t>(depth + error(rng));
 }
 
+// Not those of the poses aside that were asked for in between.
+TEST_F(Refining, RowsAreThoseOfThePoseFound) {
+  settings_.depth.rolling_shutter = true;
+  fuse(makeSequence(kPlainCamera, kFrames, 81));
+  const Pose last = run_->sequence.poses[kFrames - 2];
+  refiner_->selectPixels(run_->preprocess.frame(), kStride, last);
+  const PoseFit found = refine({off({0.03, -0.02, 0.02}, 0.02, {1, 2, 0})}, truth_)[0];
+  const PoseFit again =
+      refiner_->refine(run_->volume, std::vector<Pose>{found.world_from_camera}, 0, truth_)[0];
+  EXPECT_GT(found.readout.information, 0);
+  EXPECT_EQ(again.readout.information, found.readout.information);
+  EXPECT_EQ(again.readout.weighted, found.readout.weighted);
+}
+
+TEST_F(Refining, RowsAreNotAskedForWhereTheReadoutIsGiven) {
+  settings_.depth.rolling_shutter = true;
+  settings_.depth.readout = 0.03;
+  fuse(makeSequence(kPlainCamera, kFrames, 81));
+  refiner_->selectPixels(run_->preprocess.frame(), kStride, run_->sequence.poses[kFrames - 2]);
+  EXPECT_EQ(refine({truth_}, truth_)[0].readout.information, 0);
+}
+
 // GPUs evaluate the steps that would follow refused ones as well.
 TEST_F(Refining, TrialsEvaluatedTogetherChangeNoBit) {
   fuse(makeSequence(kPlainCamera, kFrames, 81));
